@@ -21,31 +21,33 @@ namespace {
 using asio::ip::tcp;
 using Error = std::error_code;
 
-/// TLS without a check of the certificate: it only matters whether a server answers.
+/// Returns a TLS context that accepts every certificate, because it only matters whether a server
+/// answers.
 asio::ssl::context any_server() {
   asio::ssl::context tls(asio::ssl::context::tls_client);
   require_tls_13(*tls.native_handle());
   return tls;
 }
 
-/// Sends a question and reads the answer; each step starts the next. The question is an empty
-/// frame: every server calls it malformed before it asks for a token, and does not count it.
+/// Connects, sends a question and reads the answer. Each step starts the next one. The question is
+/// an empty frame: every server refuses it as malformed before it asks for a token, and does not
+/// count it.
 struct Question {
   asio::io_context io{1};
   asio::ssl::context tls = any_server();
   asio::ssl::stream<tcp::socket> stream{io, tls};
-  std::array<std::uint8_t, control::kFrameLengthSize> frame{};  // its length is 0
+  std::array<std::uint8_t, control::kFrameLengthSize> frame{};  // question: a frame of length 0
   std::array<std::uint8_t, control::kFrameLengthSize> length{};
   std::vector<std::uint8_t> body;
   Error failed;
   bool answered = false;
 
-  /// Runs `next` unless the step before it failed.
+  /// Returns a handler that runs `next` unless the step before it has failed.
   template <class Next>
   auto then(Next next) {
     return [this, next](const Error& error, std::size_t = 0) {
       failed = error;
-      // A server that demands a client certificate has answered, so it is up.
+      // A server that refuses a client without a certificate has answered, so it runs.
       answered = error.category() == asio::error::get_ssl_category() &&
                  ERR_GET_REASON(static_cast<unsigned long>(error.value())) ==
                      SSL_R_TLSV13_ALERT_CERTIFICATE_REQUIRED;
@@ -73,7 +75,8 @@ struct Question {
   }
 };
 
-/// A server that listens on every network is asked on the loopback address of the same family.
+/// Returns the address at which to ask the server: the loopback address of the same family if the
+/// server listens on all addresses.
 asio::ip::address reachable(const std::string& address) {
   asio::ip::address listening = asio::ip::make_address(address);
   if (!listening.is_unspecified()) return listening;

@@ -12,7 +12,8 @@
 namespace feltwire {
 namespace {
 
-/// The file beside the local user's token; empty: there is no state folder.
+/// Returns the file with the names of the scenes, in the folder of the local user's token. Empty if
+/// there is no state folder.
 std::filesystem::path file_of(const ServerConfig& config) {
   const std::filesystem::path local = local_token_file(config);
   return local.empty() ? local : local.parent_path() / "scenes.txt";
@@ -28,7 +29,7 @@ void note_scenes(const ServerConfig& config, const std::vector<std::string>& nam
     for (const std::string& name : names) text += name + '\n';
     replace_file(file, text, kPrivate);
   } catch (const std::exception&) {
-    return;  // as documented
+    return;  // a failure is no error: only a warning of `token add` needs the file
   }
 }
 
@@ -43,7 +44,7 @@ std::vector<std::string> known_scenes(const ServerConfig& config) {
     std::istringstream lines(read_text(file));
     for (std::string line; std::getline(lines, line);) names.push_back(line);
   } catch (const std::exception&) {
-    names.clear();  // the server itself says what is wrong with its files
+    names.clear();  // the server reports errors in its files itself
   }
   return names;
 }

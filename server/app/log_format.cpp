@@ -18,7 +18,7 @@ class VisibleFormatter final : public spdlog::formatter {
     spdlog::details::log_msg shown = message;
     shown.payload = text;
     pattern_.format(shown, line);
-    message.color_range_start = shown.color_range_start;  // where the sink colours the level
+    message.color_range_start = shown.color_range_start;  // spdlog colours this part of the line
     message.color_range_end = shown.color_range_end;
   }
   std::unique_ptr<spdlog::formatter> clone() const override {

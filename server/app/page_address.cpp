@@ -15,7 +15,7 @@ namespace feltwire {
 
 namespace {
 
-/// Returns the token's text; empty if there is no such file, or no terminal to print it on.
+/// Returns the token in the file. Empty if there is no such file, or if stdout is not a terminal.
 std::string token_to_print(const std::filesystem::path& file) {
   if (::isatty(STDOUT_FILENO) == 0 || file.empty() || !std::filesystem::exists(file)) return {};
   std::string text = read_text(file);

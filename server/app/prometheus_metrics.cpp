@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-/// Escapes a label's value as the format requires.
+/// Returns the value of a label with the escapes that the Prometheus text format requires.
 std::string escaped(std::string_view text) {
   std::string result;
   for (const char c : text) {
@@ -23,7 +23,7 @@ std::string escaped(std::string_view text) {
   return result;
 }
 
-/// The lines before a metric's first value.
+/// Adds the HELP and TYPE lines of a metric, which precede its first value.
 void begin(std::string& text, std::string_view name, std::string_view kind, std::string_view help) {
   text.append("# HELP ").append(name).append(" ").append(help).append("\n# TYPE ");
   text.append(name).append(" ").append(kind).append("\n");
@@ -128,8 +128,8 @@ std::string in_seconds(Nanoseconds time) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), seconds(time)).ptr};
 }
 
-/// Adds a histogram: each class includes the classes below it. `limits` [ns]: the limits of all
-/// classes but the last. `sum`: of the times, if it is known.
+/// Adds a histogram in which each class also counts the times of all classes below it. `limits`
+/// [ns]: the upper limits of all classes but the last. `sum`: the sum of all times, if it is known.
 void add_classes(std::string& text, const std::string& name, const std::string& labels,
                  std::span<const std::uint64_t> counts, const auto& limits,
                  std::optional<Nanoseconds> sum = {}) {

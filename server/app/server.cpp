@@ -28,7 +28,8 @@ using control::RefusalCode;
 using control::Refused;
 namespace {
 
-/// A recording needs the scenes' files.
+/// Returns the function that loads scenes. For a recording, it also keeps the scenes' files in
+/// memory.
 SceneLoader::Load loader_of(const ServerConfig& config) {
   return config.record.empty() ? load_scene_and_warn : load_scene_keep_and_warn;
 }
@@ -59,7 +60,7 @@ void check_names(const std::vector<Scene>& scenes) {
   }
 }
 
-/// Threads that never sleep need a core each; otherwise they delay each other and everything else.
+/// Warns if scenes' threads that never sleep (--busy-poll inf) leave no core for other threads.
 void warn_of_spinning(Nanoseconds busy_poll, std::size_t scenes) {
   const unsigned cores = std::thread::hardware_concurrency();
   if (busy_poll == kForever && scenes + 1 > cores)
@@ -93,14 +94,15 @@ ServiceLimits service_limits(const ServerConfig& config) {
           static_cast<std::size_t>(config.web_hands), config.join_rate, config.join_burst};
 }
 
-/// The address at which this machine reaches a server that listens on `listens_on`.
+/// Returns the address at which this machine reaches a server that listens on `listens_on`.
 std::string own_host(const std::string& listens_on) {
   const auto address = asio::ip::make_address(listens_on);
   if (!address.is_unspecified()) return listens_on;
   return address.is_v6() ? "::1" : "127.0.0.1";
 }
 
-/// Adds a token for the link that opens the page as admin on this machine.
+/// Loads the certificate and the tokens. If there is a live page, adds a token for the link that
+/// opens it as an admin on this machine.
 Security security_of(const ServerConfig& config) {
   Security security = open_security(config);
   if (config.web.empty() || !config.tokens.empty()) return security;
@@ -136,11 +138,11 @@ struct Server::Parts {
   SceneHosts hosts;
   ControlService service;
   std::unique_ptr<ControlEndpoint> control;
-  std::unique_ptr<web::PageHands> page_hands;  // null: viewers hold no hands
+  std::unique_ptr<web::PageHands> page_hands;  // null: viewers cannot hold a hand
   std::unique_ptr<web::WebServer> web;         // null: there is no live page
   asio::steady_timer look{io};
-  bool looking = false;                            // the timer runs
-  const std::vector<std::filesystem::path> files;  // of the scenes; empty if they were passed in
+  bool looking = false;                            // true: the timer `look` runs
+  const std::vector<std::filesystem::path> files;  // scene files; empty: the caller passed scenes
   SceneLoader loader;
   std::thread thread;
 
@@ -170,7 +172,7 @@ struct Server::Parts {
       if (recorder != nullptr) recorder->see(i, hosts[i]->recorded_pictures());
     }
     if (!config.web.empty()) open_page(config, std::move(security), hands);
-    // Every port is bound: from here on nothing fails.
+    // Start the threads only now, because all ports are bound.
     for (auto& host : hosts) host->start();
     if (recorder != nullptr) recorder->start();
     control->start();
@@ -181,8 +183,8 @@ struct Server::Parts {
 
   ~Parts() { stop(); }
 
-  /// Opens the live page. If clients must show a certificate, viewers hold no hands: the page has
-  /// no certificate.
+  /// Opens the live page. If clients must show a certificate, viewers cannot hold a hand, because
+  /// the page's hands have no certificate.
   void open_page(const ServerConfig& config, Security security, const web::MakePageHands& hands) {
     web::WebOptions page = page_place(config.web, config.web_names);
     if (hands && config.web_hands > 0 && security.client_authorities.empty())
@@ -194,7 +196,7 @@ struct Server::Parts {
     };
     page.reload = [this](std::size_t host) {
       asio::post(io, [this, host] {
-        reload(host, [](const std::optional<Refused>&) {});  // reload() tells the page
+        reload(host, [](const std::optional<Refused>&) {});  // reload() informs the page itself
       });
     };
     page.write_flight = flight_writer(config);
@@ -204,11 +206,11 @@ struct Server::Parts {
                                            security.identity);
   }
 
-  /// Empty: there is no flight recorder.
+  /// Returns the function that writes a flight record. Empty if there is no flight recorder.
   AdminService::WriteFlight flight_writer(const ServerConfig& config) {
     if (config.flight_recorder.empty()) return {};
     return [this](std::size_t scene, AdminService::FlightWritten done) {
-      // It may own a connection, which must end on the control thread.
+      // `done` may own a connection, which must be destroyed on the control thread.
       auto asked = std::make_shared<AdminService::FlightWritten>(std::move(done));
       recorder->ask_for_flight_record(
           scene, [this, asked = std::move(asked)](std::optional<std::filesystem::path> file) {
@@ -231,13 +233,13 @@ struct Server::Parts {
   ControlSummary control_summary() {
     const auto count = [this] { return ControlSummary{control->counters(), service.counters()}; };
     if (!thread.joinable()) return count();
-    std::promise<ControlSummary> counted;  // the control thread owns the counters
+    std::promise<ControlSummary> counted;  // only the control thread may read the counters
     asio::post(io, [&] { counted.set_value(count()); });
     return counted.get_future().get();
   }
 
-  /// Binds the control port, and the scenes' ports directly after it, so that a firewall can open
-  /// them and a relay can forward them.
+  /// Binds the control port, and the scenes' ports directly after it. A firewall can then open, and
+  /// a relay can forward, one range of ports. Returns the sockets of the scenes.
   std::vector<asio::ip::udp::socket> listen(const ServerConfig& config, const Security& security,
                                             std::size_t scenes) {
     ControlOptions options = control_options(config);
@@ -255,7 +257,8 @@ struct Server::Parts {
   /// Runs the control thread. A connection's handlers catch their own exceptions. An exception of
   /// another handler is logged, and all connections continue.
   void run() {
-    constexpr std::chrono::milliseconds kPause{100};  // no busy loop if it fails again at once
+    // Pause after an exception, against a busy loop of exceptions.
+    constexpr std::chrono::milliseconds kPause{100};
     for (bool ended = false; !ended;) {
       try {
         control->end_lost();
@@ -283,8 +286,8 @@ struct Server::Parts {
     looking = true;
   }
 
-  /// Reads a scene's file again in another thread. Call it on the control thread, where it also
-  /// calls `asked`. Tells the live page the result.
+  /// Loads a scene's file again in another thread. Then reports the result to the live page and
+  /// calls `asked`, both on the control thread. Call reload() on the control thread.
   void reload(std::size_t host, AdminService::Reloaded asked) {
     const auto done = [this, host, asked = std::move(asked)](std::optional<Refused> refused) {
       if (web != nullptr) web->tell(host, refused ? std::optional(refused->reason) : std::nullopt);
@@ -310,7 +313,8 @@ struct Server::Parts {
                               "' is being loaded already; wait until that has ended"});
   }
 
-  /// Puts a loaded scene in its place. Returns the refusal if it cannot be served.
+  /// Replaces the scene of `host` by the loaded scene. Returns a refusal if the load has failed or
+  /// the name of the scene has changed.
   std::optional<Refused> enter(std::size_t host, LoadedScene loaded) {
     if (auto* wrong = std::get_if<std::string>(&loaded))
       return Refused{RefusalCode::bad_scene, std::move(*wrong)};
@@ -324,7 +328,7 @@ struct Server::Parts {
     return std::nullopt;
   }
 
-  /// Reads all files again. Calls `done` when each has ended.
+  /// Reloads all scenes. Calls `done` with the errors when the last reload has ended.
   void reload(std::function<void(std::vector<std::string>)> done) {
     struct All {
       std::size_t left;
@@ -340,13 +344,13 @@ struct Server::Parts {
   }
 
   bool stop() {
-    if (web != nullptr) web->stop();  // first, because it asks the hosts
-    page_hands.reset();               // their clients say goodbye
+    if (web != nullptr) web->stop();  // first, because the page uses the hosts
+    page_hands.reset();               // ends their sessions
     if (thread.joinable()) {
       asio::post(io, [this] { control->close(); });
       for (auto& host : hosts) host->stop();
       if (recorder != nullptr) recorder->stop();
-      // Stop after the scenes' messages about the sessions that ended with the server.
+      // Post this last: the hosts have already posted the sessions that have ended.
       asio::post(io, [this] { io.stop(); });
       thread.join();
     }

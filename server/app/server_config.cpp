@@ -24,16 +24,18 @@ namespace {
 
 constexpr int kLastPort = 65535;
 constexpr int kMostSessions = 4096;
-constexpr int kMostWebHands = 64;  // each has its own threads in the server
-constexpr double kLeastSampleRate = 1.1, kLargestSampleRate = 1e6;  // times the servo rate
-constexpr double kNeverSleeps = -1.0;                               // value of busy_poll in a file
+constexpr int kMostWebHands = 64;  // largest --web-hands; each hand has its own threads
+constexpr double kLeastSampleRate = 1.1, kLargestSampleRate = 1e6;  // ratios to the servo rate
+// Value of busy_poll in a configuration file for threads that never sleep.
+constexpr double kNeverSleeps = -1.0;
 constexpr std::array<const char*, 6> kLogLevels = {"trace",   "debug", "info",
                                                    "warning", "error", "off"};
 
-/// An error in a field, in words that fit the file and the command line.
+/// An error in the value of an option, with the names of the option in the configuration file and
+/// on the command line.
 struct Complaint {
-  const char* field;   // in the file
-  const char* option;  // on the command line
+  const char* field;   // name in the configuration file
+  const char* option;  // name on the command line
   std::string message;
 };
 
@@ -46,9 +48,9 @@ std::optional<Complaint> out_of_range(const char* field, const char* option, dou
 }
 
 std::optional<Complaint> security_complaint(const ServerConfig& c) {
-  constexpr double kShortest = 0.01, kLongest = 3600.0;  // [s]
+  constexpr double kShortest = 0.01, kLongest = 3600.0;  // [s] limits of timeouts and intervals
   constexpr int kMostConnections = 10'000;
-  constexpr double kFastest = 1e6;  // [1/s]
+  constexpr double kFastest = 1e6;  // [1/s] largest rate; also the largest burst
   if (c.certificate.empty() != c.key.empty())
     return Complaint{"certificate", "--certificate",
                      "a certificate and its key go together; give both, or neither"};
@@ -105,7 +107,7 @@ std::optional<Complaint> complaint(const ServerConfig& c) {
                          "every network, 0.0.0.0 those of IPv4"};
   if (auto wrong = missing_zone(address))
     return Complaint{"address", "--address", *std::move(wrong)};
-  // Each scene has a port of its own behind the control port.
+  // Each scene has its own port. These ports follow the control port.
   if (c.port < 0 || c.port + (c.port == 0 ? 0 : scenes) > kLastPort)
     return Complaint{"port", "--port",
                      std::to_string(c.port) + " is not within 1 to " +
@@ -201,7 +203,7 @@ ServerConfig parse_config(std::string_view json, const std::filesystem::path& fi
   config.handshake_rate = root->handshake_rate();
   config.handshake_burst = root->handshake_burst();
   if (root->profile() != nullptr) config.profile = root->profile()->str();
-  // JSON has no infinity.
+  // A file has -1 in place of infinity, because JSON has no infinity.
   config.busy_poll = root->busy_poll() == kNeverSleeps ? HUGE_VAL : root->busy_poll();
   config.real_time = root->real_time();
   if (root->dscp() != nullptr) config.dscp = root->dscp()->str();
@@ -209,7 +211,7 @@ ServerConfig parse_config(std::string_view json, const std::filesystem::path& fi
   if (root->web_names() != nullptr)
     for (const auto* name : *root->web_names()) config.web_names.push_back(name->str());
   config.record = path(root->record());
-  // As for busy_poll, the file has a number for "no limit": 0 or less.
+  // In a file, 0 or a negative number means no limit.
   if (root->record_max_mib() > 0.0) config.record_max_mib = root->record_max_mib();
   if (root->record_max_seconds() > 0.0) config.record_max_seconds = root->record_max_seconds();
   config.flight_recorder = path(root->flight_recorder());

@@ -16,7 +16,7 @@
 namespace feltwire {
 namespace {
 
-/// The examples use files of the repository, relative to its root.
+/// Returns examples of command lines. Their paths are relative to the root of the repository.
 std::string examples() {
   const std::string port = std::to_string(kDefaultPort);
   const std::string scene_port = std::to_string(kDefaultPort + 1);
@@ -58,10 +58,10 @@ ShortHelp short_help() {
           examples() + "\nAll options: feltwire-server --help-all, docs/server.md."};
 }
 
-/// The options on the command line, which override the file.
+/// Functions that write the options of the command line over the values of the configuration file.
 using Overrides = std::vector<std::function<void(ServerConfig&)>>;
 
-/// Adds an option for a field of the configuration; a flag for a bool.
+/// Adds an option for a field of the configuration, or a flag if the field is a bool.
 template <class Field, class Part>
 CLI::Option* add(CLI::App& app, Overrides& overrides, ServerConfig& given, Field Part::*field,
                  const std::string& name, const std::string& help) {

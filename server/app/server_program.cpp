@@ -41,7 +41,7 @@ int fail(int status, const char* what) {
   return status;
 }
 
-/// Quotes a word for a shell.
+/// Returns the word as a shell reads it: in quotes if it has special characters.
 std::string shell_word(const std::string& word) {
   constexpr const char* kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@%";
@@ -51,8 +51,8 @@ std::string shell_word(const std::string& word) {
   return text + "'";
 }
 
-/// The client's command for a shell: its plain name if the shell finds this installation, else its
-/// path beside this program.
+/// Returns the shell command of the client: its plain name if the shell finds the client of this
+/// installation, else the path of the client in the folder of this program.
 std::string client_program() {
   namespace fs = std::filesystem;
   constexpr const char* kName = "feltwire-client";
@@ -66,12 +66,12 @@ std::string client_program() {
     const fs::path found = fs::path(folder) / kName;
     if (folder.empty() || ::access(found.c_str(), X_OK) != 0) continue;
     if (fs::equivalent(found, beside, failed)) return kName;
-    break;  // the shell finds another one first
+    break;  // the shell would start another client
   }
   return shell_word(beside.string());
 }
 
-/// The command line that joins from this machine.
+/// Returns the command line with which a client on this machine joins.
 std::string join_line(const ServerConfig& config, const Server& server) {
   const auto address = asio::ip::make_address(config.address);
   const std::string host = address.is_unspecified() ? "127.0.0.1" : config.address;
@@ -99,8 +99,8 @@ void print_ready(const ServerConfig& config, const Server& server) {
   std::fflush(stdout);
 }
 
-/// Serves until SIGINT or SIGTERM. Every thread blocks these, SIGUSR1 and SIGHUP. Returns false if
-/// a thread was left behind that hangs reading a file.
+/// Serves until SIGINT or SIGTERM. Precondition: every thread blocks these signals, SIGUSR1 and
+/// SIGHUP. Returns false if a thread still hangs because a file that it reads does not answer.
 bool serve(Server& server, const sigset_t& signals, const std::string& summary) {
   const auto count = [&] {
     if (!summary.empty()) write_summary(summary, server.summary(), server.control_summary());
@@ -128,7 +128,7 @@ bool serve(Server& server, const sigset_t& signals, const std::string& summary) 
   return ended;
 }
 
-/// Leaves without waiting for other threads, which may never end.
+/// Ends the process without waiting for other threads, which may hang forever.
 [[noreturn]] void leave_now() {
   spdlog::warn("a scene's file gives no answer: leaving without it");
   std::fflush(stdout);
@@ -159,7 +159,7 @@ int server_program(int argc, char** argv, const web::MakePageHands& make_page_ha
     }
     validate(config);
     open_log("feltwire-server", config.log_level);
-    // Block signals before any thread starts, so that only this thread takes them.
+    // Block signals before any thread starts, so that only this thread receives them.
     const sigset_t signals = block_signals();
 
     StartEnded start_ended;
@@ -170,7 +170,7 @@ int server_program(int argc, char** argv, const web::MakePageHands& make_page_ha
       if (start_ended.left_behind) leave_now();
       return 0;
     }
-    // Report an unwritable file at once, not at the end of a long day.
+    // Write the summary once now, so that the user learns of an unwritable file at the start.
     if (!asked.summary.empty()) {
       remove_leftovers(asked.summary);
       write_summary(asked.summary, server->summary(), server->control_summary());

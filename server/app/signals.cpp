@@ -24,7 +24,7 @@ int wait_for_end(const sigset_t& signals, const SignalHandlers& handlers) {
                     error.what());
     }
   }
-  return 0;  // no such set of signals
+  return 0;  // sigwait() has failed: the set is not valid
 }
 
 }  // namespace feltwire

@@ -17,7 +17,7 @@
 namespace feltwire {
 namespace {
 
-constexpr std::chrono::milliseconds kPatience{1000};  // for a cancelled load
+constexpr std::chrono::milliseconds kPatience{1000};  // longest wait for a cancelled load to end
 constexpr std::chrono::milliseconds kBetweenLines{5000};
 
 class EventFile {
@@ -42,7 +42,8 @@ EventFile signal_file() {
   return EventFile(::signalfd(-1, &ending, SFD_CLOEXEC));
 }
 
-/// The thread shares ownership, so that this may outlive the caller.
+/// A server start in its own thread. The thread shares the ownership of this object, because it may
+/// still run after the caller has returned.
 struct Launch {
   Launch(const ServerConfig& with, const web::MakePageHands& lent) : config(with), hands(lent) {}
   ServerConfig config;
@@ -57,7 +58,7 @@ struct Launch {
       const WorkScope doing(&work);
       server.emplace(config, hands);
     } catch (const Cancelled&) {
-      // There is no server, as the user asked.
+      // The user has cancelled the start, so there is no server.
     } catch (...) {
       failure = std::current_exception();
     }
@@ -65,13 +66,14 @@ struct Launch {
   }
 };
 
-/// Whether the start has ended within that time.
+/// Waits until the start has ended, for at most `time`. Returns whether it has ended.
 bool wait_for(const Launch& start, std::chrono::milliseconds time) {
   pollfd done{start.done.get(), POLLIN, 0};
   return ::poll(&done, 1, static_cast<int>(time.count())) == 1;
 }
 
-/// Waits for a while. True when the start has ended, or a signal has ended it.
+/// Waits for at most kBetweenLines. Returns true if the start has ended, or if a signal has
+/// cancelled it.
 bool wait_for_end_of(Launch& start, const EventFile& signals, StartEnded& ended) {
   std::array<pollfd, 2> files{{{start.done.get(), POLLIN, 0}, {signals.get(), POLLIN, 0}}};
   const int ready = ::poll(files.data(), files.size(), static_cast<int>(kBetweenLines.count()));
@@ -107,7 +109,7 @@ std::optional<Server> start_server(const ServerConfig& config, StartEnded& ended
     thread.detach();
     return std::nullopt;
   }
-  // The thread has ended. Join it, so that nothing of it is left when this program ends.
+  // The start has ended. Join its thread, so that the thread does not run when the program ends.
   thread.join();
   if (ended.signal != 0) return std::nullopt;
   if (start->failure) std::rethrow_exception(start->failure);

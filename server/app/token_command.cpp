@@ -37,7 +37,8 @@ void add(const ServerConfig& config, const TokenArguments& words) {
   make_state_folder(config);
   if (const auto warning = unknown_scene(words.scene, known_scenes(config)))
     std::fprintf(stderr, "feltwire-server token: warning: %s\n", visible(*warning).c_str());
-  // Write the file before storing the token: its text exists nowhere else and cannot be recovered.
+  // With --out, write the text of the token before the token is stored: the text exists nowhere
+  // else and cannot be recovered.
   std::optional<PendingFile> out;
   if (!words.out.empty()) out.emplace(words.out, text, kPrivate);
   change_tokens(token_file(config), [&](Tokens& tokens) { tokens.push_back(issued.token); });
@@ -55,7 +56,7 @@ void add(const ServerConfig& config, const TokenArguments& words) {
   }
 }
 
-/// "0.5", or "alone".
+/// Returns the lead share as text, or "alone" if the hand leads a robot alone.
 std::string lead_text(double share) { return share > 0.0 ? json_text::number(share) : "alone"; }
 
 void list(const ServerConfig& config) {
@@ -80,7 +81,7 @@ void revoke(const ServerConfig& config, const TokenArguments& words) {
   });
 }
 
-/// Adds the options for the place of the tokens. The server has the same options.
+/// Adds the options that say where the tokens are. The server has the same options.
 void add_place(CLI::App& command, std::string& config, ServerConfig& given) {
   command.add_option("--config", config, "Configuration file of the server");
   command.add_option("--state", given.state, "State folder of the server")
