@@ -20,7 +20,7 @@
 namespace feltwire::web {
 namespace {
 
-/// The id of a session, from its digits; 0 if they are no number.
+/// Returns the session id that the decimal digits give; 0 if the text is no number.
 std::uint64_t session_id(std::string_view digits) {
   std::uint64_t id = 0;
   const char* end = digits.data() + digits.size();
@@ -28,7 +28,8 @@ std::uint64_t session_id(std::string_view digits) {
   return read.ec == std::errc() && read.ptr == end ? id : 0;
 }
 
-/// Refuses every viewer's request on a page that only shows a remote server. True: refused.
+/// Refuses the request if the page only shows the scene of a remote server. Returns whether it was
+/// refused.
 bool refuse_as_observer(const ViewerSlot& slot) {
   if (slot.scene == nullptr || slot.scene->source().controls() != nullptr) return false;
   slot.viewer->send(
@@ -48,7 +49,8 @@ AdminActions::AdminActions(asio::io_context& io, ViewerTokens& tokens, const Vie
       reload_(std::move(reload)),
       write_flight_(std::move(write_flight)) {}
 
-/// The token by which the viewer is an admin of the scene that it watches; null: no admin.
+/// Returns the token that makes the viewer an admin of the scene that it watches; null if there is
+/// none.
 const Token* AdminActions::admin_token(const ViewerSlot& slot) const {
   for (const std::string* id : {&slot.token, &slot.admin}) {
     const Token* token = tokens_.find(*id);
@@ -97,13 +99,14 @@ AdminActions::Outcome AdminActions::become_admin(ViewerSlot& slot, std::string_v
   return Outcome::handled;
 }
 
-/// For the log: the admin behind the viewer. Precondition: is_admin(viewer).
+/// Returns the client name and the token id of the admin, for the log. Precondition:
+/// is_admin(slot).
 std::string AdminActions::author(const ViewerSlot& slot) const {
   const Token& token = *admin_token(slot);
   return visible("client " + token.client + " (token " + token.id + ", live page)");
 }
 
-/// Answers a viewer that may have left.
+/// Sends an answer to the viewer, unless the viewer has left.
 void AdminActions::answer(ViewerId id, const std::string& text) {
   if (const auto asker = viewers_.find(id); asker != viewers_.end())
     asker->second.viewer->send(text);
@@ -127,10 +130,11 @@ void AdminActions::set(ViewerSlot& slot, const ViewerSet& wanted) {
   }
 }
 
-/// Makes the change in the scene's thread.
+/// Sends the change to the scene's thread, and answers the viewer after the change.
 void AdminActions::change(ViewerSlot& slot, LiveChange change) {
   const auto* law = std::get_if<ParameterChange>(&change);
-  // The next change builds on this one even before the scene's thread describes the session.
+  // Store the new parameters in the viewer's list of hands: the next change starts from them,
+  // perhaps before the scene describes its hands again.
   std::optional<ParameterChange> made;
   if (law != nullptr && law->parameters.side == BoundingSide::server) made = *law;
   slot.scene->source().controls()->change(

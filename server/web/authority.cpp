@@ -8,7 +8,7 @@
 namespace feltwire::web {
 namespace {
 
-constexpr std::size_t kMostHost = 253;  // [bytes] of a name (RFC 1035)
+constexpr std::size_t kMostHost = 253;  // [bytes] longest host name (RFC 1035)
 
 bool is_decimal(char c) noexcept { return c >= '0' && c <= '9'; }
 
@@ -26,7 +26,8 @@ std::string in_lower_case(std::string_view text) {
   return result;
 }
 
-/// Empty: it is no IPv6 address. A zone is valid on one machine only, and no browser sends it.
+/// Reads an IPv6 address. Empty if the text is not one, or has a zone (%eth0): a zone is valid on
+/// one machine only, and no browser sends it.
 std::optional<Authority> host_in_brackets(std::string_view text) {
   const bool plain = std::ranges::all_of(text, [](char c) {
     return is_decimal(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F') || c == ':' ||
@@ -38,7 +39,7 @@ std::optional<Authority> host_in_brackets(std::string_view text) {
   return Authority{in_lower_case(text), true};
 }
 
-/// A name, or an IPv4 address. Empty: it is neither.
+/// Reads a host name or an IPv4 address. Empty if the text is neither.
 std::optional<Authority> plain_host(std::string_view text) {
   if (text.ends_with('.')) text.remove_suffix(1);
   const bool plain = std::ranges::all_of(text, [](char c) {

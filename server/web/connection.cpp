@@ -8,8 +8,8 @@
 namespace feltwire::web {
 namespace {
 
-constexpr std::chrono::seconds kWriteTime{10};  // for a write to a viewer
-constexpr std::chrono::seconds kCloseTime{2};   // for its answer to a close
+constexpr std::chrono::seconds kWriteTime{10};  // longest time of a write to a viewer
+constexpr std::chrono::seconds kCloseTime{2};   // longest wait for the answer to a close
 
 }  // namespace
 
@@ -17,8 +17,8 @@ Connection::Connection(ConnectionHost& host, ConnectionSlots::Id id, std::unique
                        const asio::ip::address& address)
     : host_(host), id_(id), address_(address), stream_(std::move(stream)), deadline_(host.io()) {}
 
-/// Returns a handler that keeps this connection alive and does nothing once it has ended. If
-/// `work` throws, only this connection ends.
+/// Returns a handler that calls `work` and keeps this connection alive. The handler does nothing
+/// after end(). If `work` throws, only this connection ends.
 template <class Work>
 auto Connection::safely(Work work) {
   return [self = shared_from_this(), work = std::move(work)](const auto&... results) {
@@ -96,8 +96,8 @@ void Connection::become_viewer(HttpResponse accepted) {
       }));
 }
 
-/// Reads only after all output to the viewer is on its way. So a viewer that does not read gets at
-/// most the answers to a single read.
+/// Reads the next bytes, but only if no output waits. So for a viewer that does not read, the
+/// server stores at most the answers to one read.
 void Connection::read_on() {
   if (reading_ || taking_ || writing_ || ended_ || socket_->has_output()) return;
   reading_ = true;
@@ -117,7 +117,7 @@ void Connection::take_messages(std::span<const std::uint8_t> bytes) {
   pump();
 }
 
-/// Ignores further messages of the viewer, and gives it time to take and answer the close.
+/// Ignores further messages of the viewer, and gives it kCloseTime to answer the close.
 void Connection::part() {
   if (closing_ || ended_) return;
   closing_ = true;
@@ -126,7 +126,8 @@ void Connection::part() {
   set_deadline(kCloseTime);
 }
 
-/// The viewer has shown its token in time; from here on only writing has a limit.
+/// Stops the deadline for the token, because the viewer has shown a valid one. From now on, only
+/// writes have a time limit.
 void Connection::admitted() {
   stays_ = true;
   deadline_.cancel();
@@ -138,7 +139,7 @@ void Connection::send(const std::string& text) {
   socket_->send_text(text);
   pump();
   if (socket_->waiting() <= kMostWaiting) return;
-  // Not at once: the hub may be iterating over its viewers.
+  // Call end() later, because the hub may be iterating over its viewers now.
   overfull_ = true;
   asio::post(host_.io(), safely([this] { end(); }));
 }
@@ -158,13 +159,13 @@ bool Connection::ready() const {
 }
 
 void Connection::close(WebSocketClose code, std::string_view reason) {
-  seat_.reset();  // the hub has already removed it
+  seat_.reset();  // the hub has already removed the viewer
   socket_->close(code, reason);
   part();
   pump();
 }
 
-/// Writes the WebSocket's output piece by piece, then reads on.
+/// Writes the output of the WebSocket, one part after another. Then reads the next bytes.
 void Connection::pump() {
   if (writing_ || ended_) return;
   Output output = socket_->take_output();
@@ -182,9 +183,9 @@ void Connection::pump() {
                  }));
 }
 
-/// Writes the answer to a request, then ends. Closing with unread bytes would reset the connection
-/// and lose the answer. So it reads until the other end closes, sends more than any request has, or
-/// reaches the deadline.
+/// Writes the last answer. Then reads and discards until the other end closes, until it has sent
+/// more than kMostDiscarded, or until the deadline. Closing a socket with unread bytes would reset
+/// the connection, and the answer would be lost.
 void Connection::write_last(HttpResponse last) {
   stream_->write({std::move(last.bytes), last.body}, safely([this](const std::error_code& error) {
                    if (error) return end();
@@ -200,7 +201,7 @@ void Connection::discard() {
   }));
 }
 
-/// Whether that many more bytes may be discarded.
+/// Counts the discarded bytes. Returns false if there were more than kMostDiscarded.
 bool Connection::discards(std::size_t count) {
   discarded_ += count;
   return discarded_ <= kMostDiscarded;

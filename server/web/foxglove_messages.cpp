@@ -22,7 +22,7 @@ struct Channel {
   std::string_view topic;
   mcap::Schema (*schema)();
 };
-// Indexed by FoxgloveChannel.
+// The index is a FoxgloveChannel.
 constexpr std::array<Channel, kFoxgloveChannels> kChannels = {
     {{"/scene/geometry", picture_schema},
      {"/scene/transforms", transforms_schema},
@@ -31,7 +31,7 @@ constexpr std::array<Channel, kFoxgloveChannels> kChannels = {
 
 std::string base64(std::string_view bytes) {
   constexpr std::size_t kGroup = 3, kLetters = 4;
-  // EVP_EncodeBlock writes a zero after the text.
+  // Add one byte, because EVP_EncodeBlock() writes a zero after the text.
   std::string encoded((bytes.size() + kGroup - 1) / kGroup * kLetters + 1, '\0');
   const int length = EVP_EncodeBlock(reinterpret_cast<unsigned char*>(encoded.data()),
                                      reinterpret_cast<const unsigned char*>(bytes.data()),
@@ -40,7 +40,8 @@ std::string base64(std::string_view bytes) {
   return encoded;
 }
 
-/// Keeps the operation and the ids. It builds no tree (server/web/viewer_message.cpp says why).
+/// Stores the operation and the ids of a request while its text is parsed. It builds no JSON tree,
+/// because the destructor of a tree allocates memory, and ends the program if there is none.
 class Request : public nlohmann::json_sax<nlohmann::json> {
  public:
   FoxgloveRequest request;
@@ -73,7 +74,7 @@ class Request : public nlohmann::json_sax<nlohmann::json> {
 
  private:
   static constexpr int kDeepest = 8;
-  static constexpr int kEntry = 3;  // the depth of {"subscriptions": [{here}]}
+  static constexpr int kEntry = 3;  // depth of an entry: {"subscriptions": [{here}]}
   bool value() const { return depth_ > 0; }
   bool enter() {
     member_.clear();

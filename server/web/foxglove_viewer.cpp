@@ -65,7 +65,7 @@ void FoxgloveViewer::send(FoxgloveChannel channel, const FoxgloveScene& scene,
   subscription.sent = topic.revision;
   if (channel != FoxgloveChannel::picture)
     return viewer_.show_binary(foxglove_data_head(subscription.id, topic.time), topic.payload);
-  // A viewer that missed pictures also missed which hands left.
+  // Delete all hands that have left since this viewer's last picture. It may have missed pictures.
   std::vector<std::uint32_t> gone;
   std::ranges::set_difference(hands_, scene.hands(), std::back_inserter(gone));
   hands_ = scene.hands();

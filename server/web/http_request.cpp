@@ -15,7 +15,7 @@ bool is_letter_or_digit(char c) noexcept {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
 }
 
-/// RFC 9110, 5.6.2.
+/// Returns whether the text is a token of HTTP (RFC 9110, 5.6.2).
 bool is_token(std::string_view text) noexcept {
   constexpr std::string_view kMarks = "!#$%&'*+-.^_`|~";
   return !text.empty() && std::all_of(text.begin(), text.end(), [&](char c) {
@@ -23,7 +23,7 @@ bool is_token(std::string_view text) noexcept {
   });
 }
 
-/// Printing ASCII, space and tab.
+/// Returns whether the text has only printable ASCII characters and tabs.
 bool is_plain(std::string_view text) noexcept {
   return std::all_of(text.begin(), text.end(),
                      [](char c) { return (c >= ' ' && c <= '~') || c == '\t'; });
@@ -42,7 +42,8 @@ std::string_view trimmed(std::string_view text) noexcept {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-/// The assets of the page have plain names, so no escape is needed, and none is read.
+/// Returns whether the path has only plain characters. The files of the page have such names, so
+/// paths with escapes are refused.
 bool is_plain_path(std::string_view path) noexcept {
   constexpr std::string_view kMarks = "/-_.";
   return path.starts_with('/') && path.find("..") == std::string_view::npos &&
@@ -77,7 +78,7 @@ bool read_header(std::string_view line, HttpRequest& request) {
   return true;
 }
 
-/// Whether there is a body, which would be read as the next request.
+/// Returns whether the request has a body. The server would read a body as the next request.
 bool has_body(const HttpRequest& request) {
   return std::any_of(request.headers.begin(), request.headers.end(), [](const HttpHeader& header) {
     return header.name == "transfer-encoding" ||
@@ -133,7 +134,7 @@ bool has_member(std::string_view list, std::string_view member) noexcept {
 }
 
 std::optional<std::string> websocket_accept(std::string_view key) {
-  constexpr std::size_t kKeyLength = 24;  // of 16 bytes
+  constexpr std::size_t kKeyLength = 24;  // length of 16 bytes in base64
   constexpr std::string_view kGuid = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11";
   if (key.size() != kKeyLength || !key.ends_with("==") ||
       !std::all_of(key.begin(), key.end() - 2,

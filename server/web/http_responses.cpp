@@ -20,7 +20,8 @@ constexpr Status kOk{200, "OK"}, kNotModified{304, "Not Modified"}, kBad{400, "B
     kNotAllowed{405, "Method Not Allowed"}, kUpgrade{426, "Upgrade Required"},
     kTooMany{429, "Too Many Requests"}, kUnavailable{503, "Service Unavailable"};
 
-// Allows only this server's own scripts, styles, pictures and connections, and no frame around it.
+// The page may load only this server's scripts, styles, pictures and connections. No other page may
+// show it in a frame.
 constexpr std::string_view kPolicy =
     "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; "
     "img-src 'self' data:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
@@ -30,7 +31,8 @@ constexpr std::string_view kPolicy =
     "Cross-Origin-Opener-Policy: same-origin\r\n"
     "Cross-Origin-Resource-Policy: same-origin\r\n";
 
-// Two names for equal bytes: Foxglove today asks for the first, older viewers for the second.
+// Two names of one protocol: present versions of Foxglove ask for the first, older ones for the
+// second.
 constexpr std::array<std::string_view, 2> kFoxgloveProtocols = {"foxglove.sdk.v1",
                                                                 "foxglove.websocket.v1"};
 
@@ -57,15 +59,14 @@ HttpResponse plain(const Status& status, const std::string& text, std::string_vi
   return {bytes_of(head(status, "text/plain; charset=utf-8", text.size(), more), text), false};
 }
 
-/// Refuses a wrong token or ticket after too many wrong ones; empty: answer this one as what it
-/// is.
+/// Counts a wrong token or ticket. Returns a refusal if there were too many; else empty.
 std::optional<HttpResponse> too_many(const Site& site) {
   if (!site.may_try_again || site.may_try_again()) return std::nullopt;
   return plain(kTooMany, "too many wrong tokens from this address or its network; wait a minute\n",
                "Retry-After: 60\r\n");
 }
 
-/// Whether the owner gave this server that name.
+/// Returns whether the host is one of `names`, which the owner of the server has configured.
 bool is_named(const Authority& asked, std::span<const std::string> names) {
   return std::ranges::any_of(names, [&](const std::string& name) {
     const auto known = parse_authority(name);
@@ -82,15 +83,15 @@ bool is_ours(std::string_view authority, std::span<const std::string> names) {
   return asked && (asked->is_address || asked->host == "localhost" || is_named(*asked, names));
 }
 
-/// An authority as browsers write it: without the default port of its scheme.
+/// Returns the authority as browsers write it: without `port`, the default port of its scheme.
 std::string_view without_port(std::string_view authority, std::string_view port) {
   if (authority.ends_with(port)) authority.remove_suffix(port.size());
   return authority;
 }
 
-/// Whether the page that opens the WebSocket was served by this server. A page under a name of this
-/// server may use HTTPS although this server speaks HTTP: then a proxy on this machine speaks TLS.
-/// A page of another machine cannot have that name.
+/// Returns whether the page that opens the WebSocket comes from this server (header Origin). A page
+/// under one of the site's names may use HTTPS although this server uses HTTP: then a proxy on this
+/// machine adds TLS. No page of another machine can have that name.
 bool same_origin(const HttpRequest& request, const std::string& authority, const Site& site) {
   const std::string* header = request.header("origin");
   if (header == nullptr) return false;
@@ -103,14 +104,14 @@ bool same_origin(const HttpRequest& request, const std::string& authority, const
   return !site.secure && is("http://", ":80");
 }
 
-/// Whether the client's own connection uses TLS: to this server, or to a proxy before it that says
-/// so.
+/// Returns whether the client's own connection uses TLS: to this server, or to a proxy that says so
+/// in X-Forwarded-Proto.
 bool by_tls(const HttpRequest& request, const Site& site) {
   const std::string* forwarded = request.header("x-forwarded-proto");
   return site.secure || (forwarded != nullptr && *forwarded == "https");
 }
 
-/// The refusal of a malformed request for a WebSocket; empty if it is well formed.
+/// Returns a refusal if the request for a WebSocket is malformed; else empty.
 std::optional<HttpResponse> refuse_upgrade(const HttpRequest& request) {
   const std::string* upgrade = request.header("upgrade");
   const std::string* connection = request.header("connection");
@@ -124,7 +125,8 @@ std::optional<HttpResponse> refuse_upgrade(const HttpRequest& request) {
   return std::nullopt;
 }
 
-/// Opens the WebSocket with the first of these subprotocols that the client asks for.
+/// Returns the answer that opens the WebSocket, with the first of `protocols` that the client asks
+/// for. Returns a refusal if it asks for none of them.
 HttpResponse switch_protocols(const HttpRequest& request,
                               std::span<const std::string_view> protocols) {
   const std::string* asked = request.header("sec-websocket-protocol");
@@ -149,7 +151,8 @@ HttpResponse live(const HttpRequest& request, const std::string& authority, cons
   return switch_protocols(request, {&kLiveProtocol, 1});
 }
 
-/// Redeems the ticket last: an earlier failure must not use it up.
+/// Opens the WebSocket for the Foxglove protocol. Redeems the ticket last, so that another error
+/// does not use it up.
 HttpResponse foxglove(const HttpRequest& request, const Site& site) {
   if (auto refused = refuse_upgrade(request)) return *refused;
   HttpResponse accepted = switch_protocols(request, kFoxgloveProtocols);
@@ -163,7 +166,7 @@ HttpResponse foxglove(const HttpRequest& request, const Site& site) {
                "one\n");
 }
 
-/// The token of `Authorization: Bearer fw_...`; empty if none was shown.
+/// Returns the token of the header `Authorization: Bearer fw_...`; empty if there is none.
 std::string_view bearer(const HttpRequest& request) {
   constexpr std::string_view kScheme = "Bearer ";
   const std::string* shown = request.header("authorization");
@@ -171,7 +174,7 @@ std::string_view bearer(const HttpRequest& request) {
   return std::string_view(*shown).substr(kScheme.size());
 }
 
-/// Refuses a request. A request without a token does not count as a guess.
+/// Refuses a request without a valid token. A request without any token does not count as a guess.
 HttpResponse unauthorized(const HttpRequest& request, const Site& site) {
   if (!bearer(request).empty())
     if (auto refused = too_many(site)) return *std::move(refused);
@@ -179,7 +182,8 @@ HttpResponse unauthorized(const HttpRequest& request, const Site& site) {
                "WWW-Authenticate: Bearer\r\n");
 }
 
-/// Needs a token even on this machine, because a ticket opens a scene.
+/// Answers a request for a ticket. It needs a token even on this machine, because a ticket opens a
+/// scene.
 HttpResponse ticket(const HttpRequest& request, const std::string& authority, const Site& site) {
   const std::string_view token = bearer(request);
   if (!site.opens || !site.mint || !site.opens(token)) return unauthorized(request, site);
@@ -206,12 +210,13 @@ HttpResponse asset(const HttpRequest& request, std::span<const PageAsset> page) 
   HttpResponse answer;
   answer.bytes =
       bytes_of(head(kOk, found->type, found->gzip.size(), "Content-Encoding: gzip\r\n" + caching));
-  // Do not copy it: even the slowest reader costs the server only its socket.
+  // Point to the file, do not copy it: then a slow client costs no memory for the file.
   if (request.method == "GET") answer.body = SharedBytes::of_program(found->gzip);
   return answer;
 }
 
-/// Counters show who is connected, so on a network they need a token.
+/// Answers a request for the counters. If the page uses TLS, the request needs a token, because the
+/// counters show the names of the scenes and their use.
 HttpResponse metrics(const HttpRequest& request, const Site& site) {
   if (site.secure && (!site.opens || !site.opens(bearer(request))))
     return unauthorized(request, site);
@@ -221,8 +226,8 @@ HttpResponse metrics(const HttpRequest& request, const Site& site) {
       false};
 }
 
-/// Anyone may ask whether the scenes are seen. The scene's name needs a token for it. The reason,
-/// which may name other machines, is only for the page's viewers.
+/// Answers whether all scenes can be seen. Anyone may ask. Only a client with a token for the scene
+/// gets its name. Only viewers of the page get the reason, because it may name other machines.
 HttpResponse ready(const HttpRequest& request, const Site& site) {
   const auto hidden = site.hidden_scene ? site.hidden_scene(bearer(request)) : std::nullopt;
   if (!hidden) return plain(kOk, "ok\n", kNoStore);
@@ -244,7 +249,7 @@ HttpResponse http_response(const HttpRequest* request, const Site& site) {
   if (request->path == kLivePath) return live(*request, *authority, site);
   if (request->path == kFoxglovePath) return foxglove(*request, site);
   if (request->path == kTicketPath) return ticket(*request, *authority, site);
-  // Every port is open, and every scene is loaded, before this one answers.
+  // This port answers only after all scenes are loaded and all ports are open.
   if (request->path == "/health") return plain(kOk, "ok\n", kNoStore);
   if (request->path == "/ready") return ready(*request, site);
   if (request->path == "/metrics" && site.metrics) return metrics(*request, site);

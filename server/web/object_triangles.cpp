@@ -8,9 +8,9 @@
 namespace feltwire::web {
 namespace {
 
-constexpr int kSegments = 32;       // of a round side
-constexpr int kPlaceSegments = 16;  // the same of a guide's place, which travels as text
-constexpr int kGridSteps = 64;      // along a grid's longest side
+constexpr int kSegments = 32;       // number of segments around a round shape
+constexpr int kPlaceSegments = 16;  // the number for a guide's shape, which is sent as text
+constexpr int kGridSteps = 64;      // number of steps along the longest side of a grid
 
 }  // namespace
 

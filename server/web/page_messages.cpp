@@ -24,14 +24,14 @@ static_assert(kHandStates + kHandReasons <= 32, "both are bits of one word");
 using json_text::number;
 using json_text::text;
 
-// The first byte of a binary message.
+// The kind of a binary message, which is its first byte.
 enum class Kind : std::uint8_t { geometry = 1, picture = 2, surfaces = 3 };
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 std::string text_or_null(const std::string& value) { return value.empty() ? "null" : text(value); }
 
-/// [s]
+/// Returns the limits of the histogram's classes [s] as a JSON list.
 std::string limits(const HandTimes::Limits& times) {
   std::vector<std::string> entries;
   for (const std::chrono::nanoseconds time : times) entries.push_back(number(seconds(time)));
@@ -44,7 +44,7 @@ std::string counts(const HandTimesHeard& times, const HandTimesHeard::Totals& to
   return json_text::list(entries);
 }
 
-/// Writes a binary message from its beginning to its end.
+/// Builds a binary message from its first field to its last.
 class Writer {
  public:
   Writer(Kind kind, std::size_t size) {
@@ -72,7 +72,7 @@ class Writer {
   Bytes bytes_;
 };
 
-constexpr int kRobotSeat = 8;  // the first bit of its seat
+constexpr int kRobotSeat = 8;  // position of the seat's lowest bit in the flags
 
 void put(Writer& writer, const SeenRobot& robot) {
   writer.put(static_cast<std::uint32_t>(robot.state));
@@ -88,7 +88,7 @@ void put(Writer& writer, const SeenRobot& robot) {
   for (const double value : {robot.gripper, robot.age}) writer.put(value);
 }
 
-/// Whether the reason reduces the force on the hand.
+/// Returns whether the reason reduces the force on the hand.
 bool takes_off(HandReason reason) {
   return reason != HandReason::near && reason != HandReason::late;
 }
@@ -256,7 +256,7 @@ std::string sessions(std::span<const HandDescription> hands, const Picture& pict
     const double period = parameters ? parameters->servo_period : kUnknown;
     std::vector<json_text::Member> members = {
         {"number", number(std::uint64_t{hand.number})},
-        {"session", text(std::to_string(hand.session))},  // too long for JavaScript's numbers
+        {"session", text(std::to_string(hand.session))},  // JavaScript numbers have too few bits
         {"client", text_or_null(hand.client)},
         {"device", text_or_null(hand.device)},
         {"tool", text(hand.tool)},

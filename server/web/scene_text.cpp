@@ -1,4 +1,4 @@
-// The message with a scene: its objects, guides and tools.
+// Makes the message that describes a scene: its objects, guides, tools and seats.
 
 #include <algorithm>
 #include <array>
@@ -18,7 +18,7 @@ namespace {
 using json_text::number;
 using json_text::text;
 
-/// The bounding box of the points added to it.
+/// The bounding box of all points that were passed to add().
 struct Box {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   void add(const Vec3& point) {
@@ -54,7 +54,8 @@ const char* kind_of(const GuideAction& action) {
 
 double micrometres(double value) { return std::round(1e6 * value) * 1e-6; }
 
-/// The triangles of a guide whose place is a shape, in the world frame.
+/// Returns the triangles of the place of a guide in the world frame. Empty if the place is no
+/// shape.
 TriangleSoup solid_of(const Guide& guide, const Vec3& start) {
   const Pose pose =
       std::holds_alternative<Plane>(guide.place) ? square_pose(guide.pose, start) : guide.pose;
@@ -63,14 +64,14 @@ TriangleSoup solid_of(const Guide& guide, const Vec3& start) {
   return soup;
 }
 
-/// A guide without a place has only a name.
+/// Returns a guide as JSON. A guide without a place has no points and no triangles.
 std::string guide_text(const Guide& guide, const TriangleSoup& solid) {
   std::vector<Vec3> points;
   bool closed = false;
   if (std::holds_alternative<GuidePoint>(guide.place)) {
     points = {Vec3::Zero()};
   } else if (const auto* line = std::get_if<GuideLine>(&guide.place)) {
-    constexpr double kFarthest = 1.0;  // [m] of a line without an end
+    constexpr double kFarthest = 1.0;  // [m] largest half length that is shown
     const Vec3 end(0.0, 0.0, std::min(line->half_length, kFarthest));
     points = {-end, end};
   } else if (const auto* curve = std::get_if<GuideCurve>(&guide.place)) {
@@ -93,7 +94,8 @@ std::string guide_text(const Guide& guide, const TriangleSoup& solid) {
                             {"triangles", json_text::list(triangles)}});
 }
 
-/// A tool with a body has points all over its surface; a part of them is enough to draw it.
+/// Returns a tool as JSON. A tool with a body has many surface points: at most kMostPoints are
+/// sent, which is enough to draw the tool.
 std::string tool_text(const HandTool& tool) {
   constexpr std::size_t kMostPoints = 400;
   std::vector<std::string> points;

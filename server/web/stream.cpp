@@ -12,7 +12,7 @@ namespace {
 
 using asio::ip::tcp;
 
-/// The common part of both kinds. It reads from a Layer and writes to it.
+/// The common part of Plain and Tls. It reads from `layer_` and writes to it.
 template <class Layer>
 class Layered : public Stream {
  public:
@@ -53,7 +53,7 @@ class Layered : public Stream {
   static constexpr std::size_t kAtOnce = 4096;
   Layer layer_;
   std::array<std::uint8_t, kAtOnce> input_{};
-  Output output_;  // is written now
+  Output output_;  // the output that is being written
 };
 
 class Plain : public Layered<tcp::socket> {
@@ -73,7 +73,8 @@ class Tls : public Layered<TlsSocket> {
   Tls(tcp::socket socket, asio::ssl::context& tls)
       : Layered(std::move(socket), *tls.native_handle()) {}
   void handshake(Done done) override { layer_.async_handshake(std::move(done)); }
-  /// The answer states its length, so the client needs no end of TLS to see that it is complete.
+  /// Ends the TCP output, without an end of TLS: an HTTP answer states its length, so the client
+  /// sees that it is complete.
   void end_writing() override {
     std::error_code ignored;
     socket().shutdown(tcp::socket::shutdown_send, ignored);

@@ -16,7 +16,7 @@ constexpr Nanoseconds kBetweenDescriptions = std::chrono::milliseconds(500);
 void ViewedScene::show(std::span<ViewerSlot* const> viewers, Nanoseconds now) {
   follow(scene_.current_scene());
   tell_of_sight(viewers);
-  // Skip a viewer that has not yet taken the previous message.
+  // Skip a viewer to which earlier messages are still being sent.
   std::vector<ViewerSlot*> ready;
   for (ViewerSlot* slot : viewers) {
     if (slot->foxglove) continue;
@@ -53,7 +53,7 @@ void ViewedScene::show(std::span<ViewerSlot* const> viewers, Nanoseconds now) {
   describe();
 }
 
-/// Makes the messages about the scene again if it has changed.
+/// Updates the messages about the scene if the scene has changed.
 void ViewedScene::follow(const SceneInView::CurrentScene& current) {
   if (current.version != version_) {
     text_ = SharedBytes(scene_text(*current.scene, current.version));
@@ -69,7 +69,7 @@ void ViewedScene::follow(const SceneInView::CurrentScene& current) {
   }
 }
 
-/// Tells the viewers when the scene is lost from view and when it is back.
+/// Tells the viewers that the scene can no longer be seen, or that it can be seen again.
 void ViewedScene::tell_of_sight(std::span<ViewerSlot* const> viewers) {
   std::optional<std::string> hidden = scene_.out_of_sight();
   if (hidden == hidden_) return;
@@ -89,7 +89,7 @@ void ViewedScene::show_scene(ViewerSlot& slot) {
   if (hidden_) slot.viewer->send(log_text("error", *hidden_));
 }
 
-/// Shows the scene to the viewers that use the Foxglove protocol.
+/// Sends the newest scene and picture to the viewers that use the Foxglove protocol.
 void ViewedScene::show_in_foxglove(std::span<ViewerSlot* const> viewers, Nanoseconds now,
                                    bool news) {
   bool encoded = false;
@@ -108,7 +108,8 @@ void ViewedScene::show_in_foxglove(std::span<ViewerSlot* const> viewers, Nanosec
   }
 }
 
-/// Computes the rates from the newest picture's counters and those of half a second before.
+/// Computes the sample rate and the loss of each hand, from the counters in the newest picture and
+/// in the picture of half a second before.
 void ViewedScene::count_rates() {
   const double elapsed = seconds(picture_.time - counted_.time);
   rates_.clear();
@@ -128,7 +129,7 @@ void ViewedScene::count_rates() {
   counted_ = picture_;
 }
 
-/// Asks the scene for the next description of its hands.
+/// Requests new descriptions of the hands from the scene, and stores them when they come.
 void ViewedScene::describe() {
   scene_.describe(post_to(io_),
                   [this, alive = std::weak_ptr(alive_)](std::vector<HandDescription> hands) {

@@ -19,10 +19,11 @@ constexpr const char* kFull = "this server has as many viewers as it may have; c
 constexpr const char* kFullButForAdmins =
     "this server has as many viewers as it may have, and keeps its last places for admins; close "
     "another page";
-constexpr double kPointRate = 120.0;  // [1/s] more, and at once, for a viewer that may hold a hand
+// [1/s] The message rate and burst of a viewer that may hold a hand are larger by this value.
+constexpr double kPointRate = 120.0;
 
-/// The reason why another viewer with this token has no place; empty: there is one. A client must
-/// not keep the others out, and all others together must not keep an admin out.
+/// Returns the reason why another viewer with this token is refused; empty if it is not. One client
+/// must not take the places of the others, and the last places are for admins.
 std::optional<std::string> no_place_for(const Token& token, const ViewerSlots& slots) {
   std::size_t all = 0, of_client = 0, of_others = 0;
   for (const auto& [id, slot] : slots) {
@@ -41,7 +42,7 @@ std::optional<std::string> no_place_for(const Token& token, const ViewerSlots& s
   return std::nullopt;
 }
 
-/// Takes a place for a viewer with this token.
+/// Stores the token of a viewer, and tells the viewer's connection that it may stay.
 void enter(ViewerSlot& slot, const Token& token) {
   slot.token = token.id;
   slot.client = token.client;
@@ -107,7 +108,8 @@ void ViewerHub::receive(Id id, std::string_view message) {
   }
 }
 
-/// Handles a message of an admitted viewer. The viewer may have left when this returns.
+/// Handles a message of an admitted viewer, except the actions of admins. The viewer may have left
+/// when this returns.
 void ViewerHub::follow(ViewerSlot& slot, const ViewerMessage& said) {
   if (said.point) ++(slot.hand.point(*said.point) ? counters_.points : counters_.points_refused);
   if (said.hand == "release") slot.hand.release();
@@ -119,7 +121,7 @@ void ViewerHub::follow(ViewerSlot& slot, const ViewerMessage& said) {
   if (said.ticket) give_ticket(slot, *said.ticket);
 }
 
-/// Counts a wrong token. False: there were too many, so the viewer was refused.
+/// Counts a wrong token. If there were too many, refuses the viewer and returns false.
 bool ViewerHub::may_try_again(const ViewerSlot& slot) {
   ++counters_.refused;
   if (tokens_.may_try_again(slot.address)) return true;
@@ -174,7 +176,7 @@ void ViewerHub::admit(Id id, const ViewTicket& ticket) {
   ViewerSlot& slot = found->second;
   ++counters_.viewers;
   enter(slot, *token);
-  watch(slot, ticket.scene);  // refuses if the token no longer opens that scene
+  watch(slot, ticket.scene);  // refuses the viewer if the token no longer opens the scene
   if (const auto still = slots_.find(id); still != slots_.end())
     still->second.foxglove.emplace(*still->second.viewer, ticket.scene);
 }
@@ -216,7 +218,7 @@ void ViewerHub::watch(ViewerSlot& slot, std::string_view scene) {
          "there is no such scene, or the token does not open it");
 }
 
-/// Ends the access that revoked and expired tokens opened.
+/// Refuses viewers whose token was revoked or has expired. Checks this once a second.
 void ViewerHub::look_after_tokens(Nanoseconds now) {
   if (now - looked_at_tokens_ < kBetweenTokenLooks) return;
   looked_at_tokens_ = now;

@@ -16,8 +16,9 @@ constexpr std::array<std::pair<std::string_view, double LinkQuality::*>, 3> kLin
      {"link_jitter", &LinkQuality::jitter},
      {"link_loss", &LinkQuality::loss}}};
 
-/// Keeps the members of the outermost object, and of its member `set`. It builds no tree: a tree's
-/// destructor allocates, and ends the program if there is no memory.
+/// Stores the members of the outermost JSON object, and of its member `set`, while the text is
+/// parsed. It builds no JSON tree, because the destructor of a tree allocates memory, and ends the
+/// program if there is none.
 class Members : public nlohmann::json_sax<nlohmann::json> {
  public:
   ViewerMessage message;
@@ -88,7 +89,7 @@ class Members : public nlohmann::json_sax<nlohmann::json> {
   }
   bool number(double given) {
     if (!in_set()) return coordinate(given);
-    if (depth_ > 2) {  // of gravity
+    if (depth_ > 2) {  // a component of gravity
       if (numbers_ == 3) return false;
       (*message.set->gravity)[numbers_++] = given;
       return true;
@@ -141,10 +142,10 @@ class Members : public nlohmann::json_sax<nlohmann::json> {
   }
 
   int depth_ = 0;
-  std::string key_, member_;  // of the outermost object, and of `set`
-  int numbers_ = 0;           // of gravity
+  std::string key_, member_;  // current member of the outermost object, and of `set`
+  int numbers_ = 0;           // number of components of gravity so far
   Vec3 point_ = Vec3::Zero();
-  int coordinates_ = 0;  // numbers of the array of the outermost object, 4: too many
+  int coordinates_ = 0;  // number of elements in the array so far; 4: too many
 };
 
 }  // namespace

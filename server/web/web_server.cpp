@@ -16,7 +16,7 @@ namespace feltwire::web {
 namespace {
 
 using asio::ip::tcp;
-constexpr std::chrono::microseconds kFrame{16'667};  // between pictures
+constexpr std::chrono::microseconds kFrame{16'667};  // time between two pictures
 constexpr std::chrono::milliseconds kLastWords{250};
 
 std::optional<asio::ssl::context> tls_for(const asio::ip::address& address,
@@ -53,7 +53,7 @@ void WebServer::stop() {
     acceptor_.close(ignored);
     retry_.cancel();
     hub_.close_all();
-    // Give viewers a moment to receive the reason.
+    // Give the viewers time (kLastWords) to receive the reason.
     frame_.expires_after(kLastWords);
     frame_.async_wait([this](const std::error_code&) { end_all(); });
     leave_if_empty();
@@ -67,7 +67,7 @@ void WebServer::tell(std::size_t scene, std::optional<std::string> wrong) {
 
 void WebServer::end_all() {
   while (!connections_.empty()) {
-    // Keep it alive: end() removes the connection from the map.
+    // This copy keeps the object alive, because end() removes the connection from the map.
     const std::shared_ptr<Connection> connection = connections_.begin()->second;
     connection->end();
   }
@@ -88,11 +88,11 @@ std::string WebServer::url() const {
   return (secure() ? "https://" : "http://") + host() + ":" + std::to_string(port_) + "/";
 }
 
-/// A connection's handlers catch their own exceptions. An exception of another handler is logged,
-/// and the server continues.
+/// Runs the thread of the live page. The handlers of a connection catch their own exceptions. An
+/// exception of another handler is logged, and the server continues.
 void WebServer::run() {
-  constexpr std::chrono::milliseconds kPause{100};  // no busy loop if it fails again at once
-  give_way();                                       // to the scenes' threads
+  constexpr std::chrono::milliseconds kPause{100};  // pause after an exception, against a busy loop
+  give_way();                                       // lower priority than the scenes' threads
   for (bool ended = false; !ended;) {
     try {
       io_.run();
@@ -115,7 +115,8 @@ void WebServer::accept() {
   });
 }
 
-/// For example no descriptor is free: open connections continue, and one may be free later.
+/// Tries again after a pause, because a file descriptor may be free by then. Open connections
+/// continue.
 void WebServer::accept_later() {
   retry_.expires_after(std::chrono::milliseconds(100));
   retry_.async_wait([this](const std::error_code& cancelled) {
@@ -156,7 +157,7 @@ void WebServer::crowd_out(std::optional<ConnectionSlots::Id> id) {
   if (!id) return;
   const auto found = connections_.find(*id);
   if (found == connections_.end()) return;
-  // Keep it alive: end() removes the connection from the map.
+  // This copy keeps the object alive, because end() removes the connection from the map.
   const std::shared_ptr<Connection> connection = found->second;
   connection->end();
 }
@@ -166,7 +167,8 @@ void WebServer::admitted(ConnectionSlots::Id id) {
   if (strangers_.leave(id)) take_place(known_, id);
 }
 
-/// A viewer that leaves slowly must not keep another out.
+/// Moves a connection that closes from known_ to strangers_, so that another viewer can use its
+/// place.
 void WebServer::parting(ConnectionSlots::Id id) {
   if (known_.leave(id)) take_place(strangers_, id);
 }
@@ -194,7 +196,7 @@ Site WebServer::site(const asio::ip::address& asked_from) {
   return site;
 }
 
-/// Draws pictures while a viewer is connected.
+/// Sends a picture to the viewers every kFrame while there are viewers.
 void WebServer::show() {
   if (showing_ || !acceptor_.is_open()) return;
   showing_ = true;

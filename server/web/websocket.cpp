@@ -11,10 +11,11 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kAtOnce = 16384;  // [bytes] of short messages that are written together
-constexpr std::size_t kShort = 4096;    // [bytes] up to this size shared messages are copied
+constexpr std::size_t kAtOnce = 16384;  // [bytes] limit on messages that are written together
+constexpr std::size_t kShort = 4096;    // [bytes] largest shared message that is copied
 
-/// The head of a whole message in one frame (RFC 6455, 5.2), not masked, as a server's are.
+/// Appends the head of a message that is one frame (RFC 6455, 5.2). A server does not mask its
+/// frames.
 void append_head(std::vector<std::uint8_t>& bytes, std::uint8_t opcode, std::size_t size) {
   constexpr std::uint8_t kWhole = 0x80, kTwoBytes = 126, kEightBytes = 127;
   constexpr std::size_t kMostOfTwo = 65535;
@@ -39,7 +40,7 @@ void append(std::vector<std::uint8_t>& bytes, std::span<const std::uint8_t> more
 
 }  // namespace
 
-/// wslay, a C library, calls these: nothing may be thrown through it.
+/// The functions that wslay calls. They must not throw, because wslay is a C library.
 struct WebSocket::Callbacks {
   static ssize_t receive(wslay_event_context* context, std::uint8_t* to, std::size_t most, int,
                          void* user) {
@@ -153,13 +154,13 @@ void WebSocket::drop_messages() noexcept {
 }
 
 void WebSocket::close(WebSocketClose code, std::string_view reason) {
-  constexpr std::size_t kMostReason = 120;  // a control frame holds 123
+  constexpr std::size_t kMostReason = 120;  // [bytes] of the reason; a close frame has room for 123
   reason = reason.substr(0, kMostReason);
   if (wslay_event_queue_close(context_.get(), static_cast<std::uint16_t>(code),
                               bytes_of(reason).data(), reason.size()) == WSLAY_ERR_NOMEM)
     throw std::bad_alloc();
   closing_ = true;
-  wslay_event_config_set_no_buffering(context_.get(), 1);  // an unfinished message no longer counts
+  wslay_event_config_set_no_buffering(context_.get(), 1);  // store no further bytes of messages
   drop_messages();
 }
 
@@ -181,7 +182,7 @@ web::Output WebSocket::take_output() {
   if (failure_ != nullptr) std::rethrow_exception(std::exchange(failure_, nullptr));
   if (failed == WSLAY_ERR_NOMEM) throw std::bad_alloc();
   web::Output output{std::exchange(control_, {}), {}};
-  // Nothing may follow a close. wslay also sends a close by itself.
+  // Nothing may follow a close frame. wslay may also send one by itself.
   if (wslay_event_get_write_enabled(context_.get()) == 0) drop_messages();
   while (!messages_.empty() && output.own.size() < kAtOnce && output.shared.empty()) {
     Message& next = messages_.front();
