@@ -33,7 +33,6 @@ void make_state_folder(const SecurityOptions& config);
 /// certificate, and tokens with one for this machine's user in local.token. The certificate's
 /// fingerprint is written there. If certificate and token file are configured without a state
 /// folder, none is needed. Throws FileError, std::invalid_argument or std::runtime_error.
-/// state folder, none is needed. Throws FileError, std::invalid_argument or std::runtime_error.
 Security open_security(const SecurityOptions& config);
 
 }  // namespace feltwire
