@@ -141,19 +141,20 @@ void ask_it(UsbLine& line, Converter& usb, Input& input) {
   const Packet packet = request(motors, Light::green, false);
   falcon::Answer answer;
   const std::chrono::seconds patience(1);
-  const Heard kind = ask(line, packet, answer, {.send = patience, .answer = patience});
-  if (usb.writes.empty()) return require(kind == Heard::gone, "without a device there is none");
+  const AnswerStatus kind = ask(line, packet, answer, {.send = patience, .answer = patience});
+  if (usb.writes.empty())
+    return require(kind == AnswerStatus::gone, "without a device there is none");
   require(usb.writes.size() == 1, "one request is sent");
-  if (!usb.writes[0].whole) return require(kind == Heard::unsent, "a short request is none");
+  if (!usb.writes[0].whole) return require(kind == AnswerStatus::unsent, "a short request is none");
   require(std::equal(packet.begin(), packet.end(), usb.writes[0].bytes.begin(),
                      usb.writes[0].bytes.end()),
           "it is sent as it is");
   const Sent& came = usb.writes[0].heard;
-  if (kind == Heard::whole)
+  if (kind == AnswerStatus::whole)
     require(came.size() == kPacket && came[0] == '<' &&
                 std::equal(came.begin(), came.end(), answer.packet().begin()),
             "an answer is what came");
-  if (kind == Heard::garbled)
+  if (kind == AnswerStatus::garbled)
     require(came.size() > kPacket || came[0] != '<', "an answer is not called garbled");
 }
 

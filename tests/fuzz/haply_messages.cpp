@@ -11,7 +11,7 @@ namespace {
 using namespace feltwire::haply;
 
 void look_at(const Message& message, std::string_view text) {
-  const Told& told = message.told;
+  const HaplyState& told = message.told;
   require(message.devices > 0 && !told.id.empty(), "a message is of a device");
   require(told.position.value_or(Vec3::Zero()).allFinite() &&
               told.force.value_or(Vec3::Zero()).allFinite() && told.mount.allFinite() &&
