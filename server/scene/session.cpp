@@ -10,6 +10,7 @@
 #include "core/local_model_extraction/extract.hpp"
 #include "core/local_model_extraction/prefetched_tool_data.hpp"
 #include "core/tool/body_tool.hpp"
+#include "server/scene/client_time.hpp"
 #include "server/scene/shortened_model.hpp"
 
 namespace feltwire {
@@ -36,14 +37,6 @@ bool same_bound(SessionParameters a, const SessionParameters& b) {
   a.keep_alive = b.keep_alive;
   a.local_model = b.local_model;
   return a == b;
-}
-
-/// Returns the time [s] between two times of a client's clock. A hostile client may send any time,
-/// so the difference is computed without overflow: it wraps around.
-double seconds_between(Nanoseconds earlier, Nanoseconds later) {
-  const auto difference =
-      static_cast<std::uint64_t>(later.count()) - static_cast<std::uint64_t>(earlier.count());
-  return 1e-9 * static_cast<double>(static_cast<std::int64_t>(difference));
 }
 
 /// Checks that the client uses a bounding method that shapes the force (`shapes`). Such a method

@@ -3,16 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/scene/client_time.hpp"
+
 namespace feltwire {
 namespace {
-
-/// Returns the time [s] between two times of a client's clock. A hostile client may send any time,
-/// so the difference is computed without overflow: it wraps around.
-double time_between(Nanoseconds earlier, Nanoseconds later) {
-  const auto difference =
-      static_cast<std::uint64_t>(later.count()) - static_cast<std::uint64_t>(earlier.count());
-  return 1e-9 * static_cast<double>(static_cast<std::int64_t>(difference));
-}
 
 /// Returns a contact in the frame of the hand, or no contact if its values are out of the range of
 /// a reply.
@@ -67,7 +61,7 @@ bool TeleopLink::jumped(const Leader& leader, const Sample& sample, double perio
   if (leader.sample.index == 0) return false;
   const double nominal = period * static_cast<double>(sample.index - leader.sample.index);
   const double elapsed =
-      std::max(nominal, time_between(leader.sample.client_time, sample.client_time));
+      std::max(nominal, seconds_between(leader.sample.client_time, sample.client_time));
   const double way = (sample.pose.position - leader.sample.pose.position).norm();
   return !(way <= kJump * seat_.speed / seat_.scale * elapsed);
 }
