@@ -13,7 +13,7 @@
 #include "client/app/client_options.hpp"
 #include "client/app/devices_command.hpp"
 #include "client/app/identify_command.hpp"
-#include "client/emulated_link/emulated_port.hpp"
+#include "client/app/open_client.hpp"
 #include "client/run/check.hpp"
 #include "client/run/run_client.hpp"
 #include "core/base/visible_text.hpp"
@@ -21,24 +21,11 @@
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kLinkRoom = 1 << 13;  // capacity in datagrams: 0.8 s at 10 kHz
-
 std::unique_ptr<Device> open_device(ClientOptions& options) {
   OpenedDevice opened = options.driver->open(options.device);
   for (const std::string& note : opened.notes)
     std::fprintf(stderr, "feltwire-client: note: %s\n", visible(note).c_str());
-  options.true_energy = std::move(opened.true_energy);
-  options.emergency = std::make_shared<EmergencyStop>();
-  auto device = std::make_unique<ProtectedDevice>(std::move(opened.device), options.protection,
-                                                  options.emergency);
-  return std::make_unique<MappedDevice>(std::move(device), options.mapping);
-}
-
-/// Opens a UDP port to the scene. Adds an emulated link if the options have one.
-std::unique_ptr<DatagramPort> open_port(const ClientOptions& options, const Address& scene) {
-  auto line = open_udp_port(scene, options.dscp);
-  if (!options.link) return line;
-  return std::make_unique<EmulatedPort>(std::move(line), TwoWayLink(*options.link, 0, kLinkRoom));
+  return hand_device(std::move(opened), options);
 }
 
 int list(const ServerAccess& server) {
@@ -74,7 +61,7 @@ int check(ClientOptions& options) {
 
 int run(ClientOptions options) {
   if (options.list) return list(options.server);
-  options.open_port = [&options](const Address& scene) { return open_port(options, scene); };
+  options.open_port = port_opener(options);
   if (options.check) return check(options);
   auto device = open_device(options);
   return run_client(std::move(device), options);

@@ -12,13 +12,10 @@
 #include <string>
 #include <vector>
 
+#include "client/app/open_client.hpp"
 #include "client/c_api/feltwire.h"
 #include "client/c_api/open_hand.hpp"
-#include "client/device/mapped_device.hpp"
-#include "client/device/protected_device.hpp"
 #include "client/servo/device_input.hpp"
-#include "core/base/enum_names.hpp"
-#include "core/build_info/build_info.hpp"
 #include "core/device/device_file.hpp"
 
 /// The handle of a program.
@@ -85,9 +82,10 @@ Struct read_struct(const Struct* given, const Struct& usual, const char* name) {
                                 "_default() first");
   Struct read = usual;
   const auto* bytes = reinterpret_cast<const unsigned char*>(given);
-  std::memcpy(&read, bytes, std::min<std::size_t>(sizeof read, given->struct_size));
-  if (std::any_of(bytes + std::min<std::size_t>(sizeof read, given->struct_size),
-                  bytes + given->struct_size, [](unsigned char byte) { return byte != 0; }))
+  const std::size_t known = std::min<std::size_t>(sizeof read, given->struct_size);
+  std::memcpy(&read, bytes, known);
+  if (std::any_of(bytes + known, bytes + given->struct_size,
+                  [](unsigned char byte) { return byte != 0; }))
     throw std::invalid_argument(std::string(name) +
                                 " has a field that this version of the library does not know");
   read.struct_size = sizeof read;
@@ -189,14 +187,11 @@ std::unique_ptr<OpenHand> open_hand(const fw_hand_options& given) {
   } else {
     opened = options.driver->open(options.device);
   }
-  options.true_energy = std::move(opened.true_energy);
-  options.emergency = std::make_shared<EmergencyStop>();
-  auto device = std::make_unique<ProtectedDevice>(std::move(opened.device), options.protection,
-                                                  options.emergency);
-  const WorkspaceMapping mapping = options.mapping;
-  auto hand = std::make_unique<OpenHand>(
-      std::move(options), std::make_unique<MappedDevice>(std::move(device), mapping), caller);
-  for (std::string& note : opened.notes) hand->keep_message("note: " + note);
+  const std::vector<std::string> notes = std::move(opened.notes);
+  options.open_port = port_opener(options);
+  auto device = hand_device(std::move(opened), options);
+  auto hand = std::make_unique<OpenHand>(std::move(options), std::move(device), caller);
+  for (const std::string& note : notes) hand->keep_message("note: " + note);
   return hand;
 }
 

@@ -1,5 +1,7 @@
 #include "client/c_api/caller_device.hpp"
 
+#include "client/device/held_command.hpp"
+
 namespace feltwire {
 
 /// Returns the newer move with the mean force over both spans of time.
@@ -7,15 +9,7 @@ CallerDevice::Offer CallerDevice::joined(const Offer& older, const Offer& newer)
   const double span = older.span + newer.span;
   if (!(span > 0.0)) return newer;
   const double share = older.span / span;
-  const auto mean = [&](const Vec3& a, const Vec3& b) -> Vec3 {
-    return share * a + (1.0 - share) * b;
-  };
-  Offer both = newer;
-  both.span = span;
-  both.held.elastic = mean(older.held.elastic, newer.held.elastic);
-  both.held.frictional = mean(older.held.frictional, newer.held.frictional);
-  both.held.torque = mean(older.held.torque, newer.held.torque);
-  return both;
+  return {newer.move, weighted(older.held, share, newer.held, 1.0 - share), span};
 }
 
 void CallerDevice::exchange(const Move& move, Nanoseconds now, const Command& applied) noexcept {

@@ -1,6 +1,5 @@
 #pragma once
-// Splits the force that a device reports as held into the elastic and frictional parts of its
-// command.
+// The command that a device really held: its parts, and its mean over time.
 
 #include <algorithm>
 
@@ -22,6 +21,12 @@ inline Command held_command(const Command& asked, const Vec3& force, const Vec3&
   if (force == wanted && torque == asked.torque) return asked;
   const Vec3 frictional = held_share(force, wanted) * asked.frictional;
   return {.elastic = force - frictional, .frictional = frictional, .torque = torque};
+}
+
+/// Returns of_a * a + of_b * b, part by part: the mean command over two times with these shares.
+inline Command weighted(const Command& a, double of_a, const Command& b, double of_b) noexcept {
+  return {of_a * a.elastic + of_b * b.elastic, of_a * a.frictional + of_b * b.frictional,
+          of_a * a.torque + of_b * b.torque};
 }
 
 }  // namespace feltwire

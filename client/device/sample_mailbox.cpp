@@ -9,17 +9,10 @@
 #include <ctime>
 #include <system_error>
 
+#include "client/device/held_command.hpp"
 #include "protocol/net/clock.hpp"
 
 namespace feltwire {
-namespace {
-
-Command weighted(const Command& a, double of_a, const Command& b, double of_b) noexcept {
-  return {of_a * a.elastic + of_b * b.elastic, of_a * a.frictional + of_b * b.frictional,
-          of_a * a.torque + of_b * b.torque};
-}
-
-}  // namespace
 
 Wake::Wake() : descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   if (descriptor_ < 0)

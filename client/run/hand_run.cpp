@@ -10,11 +10,9 @@
 #include "client/run/debts.hpp"
 #include "client/run/device_words.hpp"
 #include "client/run/hold_time.hpp"
-#include "client/run/output_files.hpp"
 #include "client/transport/encoder.hpp"
 #include "core/base/enum_names.hpp"
 #include "core/base/units.hpp"
-#include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
 #include "protocol/net/busy_poll.hpp"
 

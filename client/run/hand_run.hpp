@@ -38,9 +38,8 @@ std::optional<RecordingTarget> recording_target(const RunOptions& options);
 class HandRun {
  public:
   /// Joins the scene, begins the device and starts the servo thread. `options` and `outlet` must
-  /// outlive the run. Throws as run_client() does. The server is told of every failure after the
-  /// join.
-  /// `takes_sigusr1`: the program handles SIGUSR1 itself.
+  /// outlive the run. `takes_sigusr1`: the program handles SIGUSR1 itself. Throws as run_client()
+  /// does. The server is told of every failure after the join.
   HandRun(std::unique_ptr<Device> device, const RunOptions& options, RunOutlet& outlet,
           bool takes_sigusr1 = false);
   /// Calls end().
@@ -63,7 +62,6 @@ class HandRun {
   const control::JoinAccepted& accepted() const { return accepted_; }
   const Address& server() const { return datagrams_; }
   RealTime real_time() const { return real_time_; }
-  RunTask& task() { return *task_; }
   const RunTask& task() const { return *task_; }
   const SceneFetch& fetch() const { return *fetch_; }
   /// Returns what a hand will feel. Empty: it was not computed, or not in time. Call it after

@@ -10,28 +10,13 @@
 #include "client/emulated_link/emulated_port.hpp"
 #include "client/hands/replay_device.hpp"
 #include "client/servo/servo_loop.hpp"
-#include "server/app/server.hpp"
+#include "tests/client/floor_server.hpp"
 #include "tests/support/eventually.hpp"
 #include "tests/support/security.hpp"
 
 namespace feltwire::testing {
 
 inline constexpr std::chrono::milliseconds kPatience{10'000};
-
-inline Scene floor_scene() {
-  Object plane;
-  plane.name = "floor";
-  plane.shape = Plane{};
-  plane.material = {.stiffness = 500.0, .static_friction = 0.4, .dynamic_friction = 0.3};
-  return Scene("floor", {plane});
-}
-
-inline ServerConfig any_ports() {
-  ServerConfig config;
-  config.port = 0;
-  config.log_level = "off";
-  return config;
-}
 
 /// Moves down, slides below the surface and moves up again, in 0.4 s.
 inline const char* const kStroke =

@@ -1,4 +1,5 @@
 """The Python package against a server of its own: test_hand.py SOURCE_FOLDER. FELTWIRE_LIBRARY and FELTWIRE_PROGRAMS name what was built."""
+import ctypes
 import pathlib
 import subprocess
 import sys
@@ -81,6 +82,12 @@ class Hands(unittest.TestCase):
             hand.close()
             for thread in threads:
                 thread.join()
+
+    def test_structs_have_the_layout_of_the_table(self):
+        from feltwire import abi
+        for struct, dtype in ((abi.Pose, abi.POSE_DTYPE), (abi.Session, abi.SESSION_DTYPE), (abi.Tick, abi.TICK_DTYPE)):
+            self.assertEqual(ctypes.sizeof(struct), dtype["itemsize"])
+            self.assertEqual([getattr(struct, name).offset for name in dtype["names"]], dtype["offsets"])
 
     def test_words_of_options(self):
         from feltwire.hand import _words

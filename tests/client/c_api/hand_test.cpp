@@ -12,8 +12,9 @@
 
 #include "client/c_api/caller_device.hpp"
 #include "client/c_api/feltwire.h"
+#include "client/c_api/offsets.h"
 #include "core/base/latest_value.hpp"
-#include "server/app/server.hpp"
+#include "tests/client/floor_server.hpp"
 #include "tests/client/temporary_folder.hpp"
 #include "tests/support/eventually.hpp"
 #include "tests/support/security.hpp"
@@ -24,27 +25,12 @@ namespace {
 using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
-Scene floor_scene() {
-  Object plane;
-  plane.name = "floor";
-  plane.shape = Plane{};
-  plane.material = {.stiffness = 500.0};
-  return Scene("floor", {plane});
-}
-
-ServerConfig any_ports() {
-  ServerConfig config;
-  config.port = 0;
-  config.log_level = "off";
-  return config;
-}
-
 class CApi : public ::testing::Test {
  protected:
   CApi() {
     std::vector<Scene> scenes;
-    scenes.push_back(floor_scene());
-    server_ = std::make_unique<Server>(any_ports(), std::move(scenes), test::security());
+    scenes.push_back(testing::floor_scene());
+    server_ = std::make_unique<Server>(testing::any_ports(), std::move(scenes), test::security());
     address_ = "127.0.0.1:" + std::to_string(server_->control_port());
     token_file_ = (folder_ / "token").string();
     std::ofstream(token_file_) << test::admin_token().text.text() << "\n";
@@ -62,6 +48,19 @@ class CApi : public ::testing::Test {
     options.more = kMore.data();
     options.more_count = static_cast<std::uint32_t>(kMore.size());
     return options;
+  }
+
+  /// The program is the device, and is felt at once. Its thread may wait on a busy machine.
+  fw_hand_options caller_options() const {
+    static constexpr std::array<const char*, 8> kMoreOfCaller = {
+        "--flight-recorder", "off", "--let-go-after", "1",
+        "--hold-time",       "1",   "--await-still",  "0"};
+    fw_hand_options given = options();
+    given.device = "caller";
+    given.stale_after = 0.2;
+    given.more = kMoreOfCaller.data();
+    given.more_count = static_cast<std::uint32_t>(kMoreOfCaller.size());
+    return given;
   }
 
   static fw_pose at(double z) {
@@ -105,13 +104,7 @@ class CApi : public ::testing::Test {
 };
 
 TEST_F(CApi, AHandOfTheCallerFeelsTheFloorAndAStaleOneFeelsNothing) {
-  fw_hand_options given = options();
-  given.device = "caller";
-  given.stale_after = 0.2;
-  std::vector<const char*> more(kMore.begin(), kMore.end());
-  more.insert(more.end(), {"--hold-time", "1", "--await-still", "0"});
-  given.more = more.data();
-  given.more_count = static_cast<std::uint32_t>(more.size());
+  const fw_hand_options given = caller_options();
   fw_hand* hand = nullptr;
   ASSERT_EQ(fw_hand_open(&given, &hand), FW_OK) << fw_last_error();
   fw_tick tick{};
@@ -186,13 +179,7 @@ TEST_F(CApi, APoseThatNoHandHasIsRefused) {
 
 /// After the run has ended no force is told, whatever the last tick held.
 TEST_F(CApi, AfterTheEndThereIsNoForce) {
-  fw_hand_options given = options();
-  given.device = "caller";
-  given.stale_after = 0.2;
-  std::vector<const char*> more(kMore.begin(), kMore.end());
-  more.insert(more.end(), {"--hold-time", "1", "--await-still", "0"});
-  given.more = more.data();
-  given.more_count = static_cast<std::uint32_t>(more.size());
+  const fw_hand_options given = caller_options();
   fw_hand* hand = nullptr;
   ASSERT_EQ(fw_hand_open(&given, &hand), FW_OK) << fw_last_error();
   await_tick(hand);
@@ -207,6 +194,23 @@ TEST_F(CApi, AfterTheEndThereIsNoForce) {
   EXPECT_EQ(fw_hand_latest(hand, &tick, sizeof tick), FW_OK);
   for (const double force : tick.force) EXPECT_EQ(force, 0.0);
   EXPECT_EQ(fw_hand_close(hand), FW_OK) << fw_last_error();
+}
+
+/// --link of `more` stands before the socket of the library, too: nothing comes through this one.
+TEST_F(CApi, AnEmulatedLinkIsBetweenTheHandAndTheServer) {
+  fw_hand_options given = options();
+  std::array<const char*, 8> more = {
+      "--flight-recorder", "off", "--let-go-after", "1", "--link", "loss=100", "--hold-time", "1"};
+  given.more = more.data();
+  given.more_count = static_cast<std::uint32_t>(more.size());
+  fw_hand* hand = nullptr;
+  ASSERT_EQ(fw_hand_open(&given, &hand), FW_OK) << fw_last_error();
+  fw_tick tick{};
+  test::eventually("200 ticks", [&] {
+    return fw_hand_latest(hand, &tick, sizeof tick) == FW_OK && tick.number > 200;
+  });
+  EXPECT_EQ(tick.reply_age, -1.0);
+  fw_hand_close(hand);
 }
 
 TEST_F(CApi, TwoHandsShareTheScene) {
