@@ -115,7 +115,7 @@ class Hands(unittest.TestCase):
     def test_a_server_that_ends_is_an_error_of_the_run(self):
         with feltwire.serve(SOURCE / "scenes/plane.json") as server:
             hand = server.join(reconnect=0, **PATIENT)
-            eventually("a tick", hand.latest)
+            eventually("an answer, so that the server has the hand's address", lambda: hand.latest() and hand.latest().reply_age >= 0.0)
         self.assertTrue(hand.wait(LONGEST))
         with self.assertRaisesRegex(feltwire.Error, "shutting down"):
             hand.close()
