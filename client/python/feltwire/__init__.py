@@ -11,8 +11,43 @@
 The hand's servo runs in libfeltwire.so, at 1 kHz and more, with the bound, the energy account and the limits of feltwire-client. Python
 sets the target and reads the latest state; a Python program that pauses makes no tick late. Units are SI. docs/python.md is the
 tutorial.
-"""
-from .hand import Error, Hand, Refused, ServerError, join
-from .served import Server, serve
 
-__all__ = ["Error", "Hand", "Refused", "Server", "ServerError", "join", "serve"]
+A part of the package is loaded when it is first used: recordings can be read where libfeltwire.so is not installed.
+"""
+import importlib
+from typing import TYPE_CHECKING, Any, List
+
+if TYPE_CHECKING:
+    from . import aio, lab
+    from .errors import Error, FileError, Refused, SceneError, ServerError
+    from .hand import Hand, join
+    from .plots import plot
+    from .recordings import DamageWarning, Recording, read
+    from .scenes import Scene
+    from .served import Server, play, serve
+    from .tables import Table
+
+_PLACES = {
+    "Error": "errors", "FileError": "errors", "Refused": "errors", "SceneError": "errors", "ServerError": "errors",
+    "Hand": "hand", "join": "hand",
+    "plot": "plots",
+    "DamageWarning": "recordings", "Recording": "recordings", "read": "recordings",
+    "Scene": "scenes",
+    "Server": "served", "play": "served", "serve": "served",
+    "Table": "tables",
+}
+
+__all__ = ["DamageWarning", "Error", "FileError", "Hand", "Recording", "Refused", "Scene", "SceneError", "Server", "ServerError", "Table", "aio",
+           "join", "lab", "play", "plot", "read", "serve"]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _PLACES:
+        return getattr(importlib.import_module(f"{__name__}.{_PLACES[name]}"), name)
+    if name in ("aio", "lab"):
+        return importlib.import_module(f"{__name__}.{name}")
+    raise AttributeError(f"feltwire has no {name}")
+
+
+def __dir__() -> List[str]:
+    return __all__
