@@ -122,7 +122,7 @@ class Hands(unittest.TestCase):
 
     def test_a_missing_library_says_how_to_get_it(self):
         with tempfile.TemporaryDirectory() as folder:
-            done = subprocess.run([sys.executable, "-c", "import feltwire"], capture_output=True, text=True, cwd=SOURCE / "client/python",
+            done = subprocess.run([sys.executable, "-c", "import feltwire; feltwire.join"], capture_output=True, text=True, cwd=SOURCE / "client/python",
                                   env={"FELTWIRE_LIBRARY": f"{folder}/none.so"}, check=False)
         self.assertNotEqual(done.returncode, 0)
         self.assertIn("set FELTWIRE_LIBRARY", done.stderr)

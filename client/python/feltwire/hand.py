@@ -1,28 +1,25 @@
 """A hand in a scene."""
+from __future__ import annotations
+
 import ctypes
 import os
 import threading
+from typing import Any, List, NoReturn, Optional, Sequence, Tuple, Union
 
 from . import abi
+from .errors import Error, Refused, ServerError
 from .library import BLOCKING, QUICK
+from .options import words as _words
+from .tables import numpy_or_none
+
+Path = Union[str, "os.PathLike[str]"]
 
 _TICK_SIZE = ctypes.sizeof(abi.Tick)
 _MOST_TICKS = 1 << 14
+_WORTH_KEEPING = _MOST_TICKS // 4  # ticks from which on an array keeps the whole room, and is no copy
 
 
-class Error(RuntimeError):
-    """Something failed. The text says what, and the remedy."""
-
-
-class Refused(Error):
-    """The server refuses for good: the token, the scene, the device or a parameter."""
-
-
-class ServerError(Error):
-    """The server is not reachable, not trusted, or full. Trying again may help."""
-
-
-def _raise(result):
+def _raise(result: int) -> NoReturn:
     text = BLOCKING.fw_last_error().decode(errors="replace")
     if result == abi.ERROR_ARGUMENT:
         raise ValueError(text)
@@ -32,25 +29,13 @@ def _raise(result):
     raise kind(text or BLOCKING.fw_result_text(result).decode())
 
 
-def _words(options):
-    """{"path": "press", "local_model": False} -> ["--path", "press", "--no-local-model"]"""
-    words = []
-    for name, value in options.items():
-        option = name.replace("_", "-")
-        if value is True or value is False:
-            words.append(f"--{option}" if value else f"--no-{option}")
-        elif value is not None:
-            joined = ",".join(str(one) for one in value) if isinstance(value, (list, tuple)) else str(value)
-            words += [f"--{option}", joined]
-    return words
-
-
-def _bytes(text):
+def _bytes(text: Optional[Path]) -> Optional[bytes]:
     return None if text is None else os.fsencode(text)
 
 
-def join(server, scene, *, device="simulated", spec=None, name="python", token_file=None, fingerprint=None, fingerprint_file=None,
-         ca_file=None, duration=0.0, stale_after=0.02, **options):
+def join(server: str, scene: str, *, device: str = "simulated", spec: Optional[Path] = None, name: str = "python",
+         token_file: Optional[Path] = None, fingerprint: Optional[str] = None, fingerprint_file: Optional[Path] = None,
+         ca_file: Optional[Path] = None, duration: float = 0.0, stale_after: float = 0.02, **options: Any) -> Hand:
     """Joins a scene and returns its Hand. Blocks until the server has answered.
 
     server: "HOST:PORT". scene: its name. device: as --device of feltwire-client, or "caller": the program is the device, by Hand.exchange().
@@ -85,33 +70,34 @@ def join(server, scene, *, device="simulated", spec=None, name="python", token_f
 class Hand:
     """A hand that has joined a scene. Use it in a `with` block, or call close()."""
 
-    def __init__(self, handle):
-        self._handle = handle
+    def __init__(self, handle: ctypes.c_void_p):
+        self._handle: Optional[ctypes.c_void_p] = handle
         self._lock = threading.Lock()  # of the calls that give other threads the interpreter
         self._tick, self._exchanged, self._asked = abi.Tick(), abi.Tick(), abi.Tick()
-        self._room = None  # of ticks()
+        self._room: Any = None  # of ticks()
         self._pose = abi.Pose()
         BLOCKING.fw_pose_default(self._pose, ctypes.sizeof(self._pose))
         self.session = abi.Session()
         """What the server granted: servo_period [s], hold_time [s], stiffness [N/m], start_position [m], start_normal."""
         BLOCKING.fw_hand_session(handle, self.session, ctypes.sizeof(self.session))
 
-    def _open(self):
+    def _open(self) -> ctypes.c_void_p:
         if self._handle is None:
             raise ValueError("the hand is closed")
         return self._handle
 
-    def __enter__(self):
+    def __enter__(self) -> Hand:
         return self
 
-    def __exit__(self, kind, *_):
+    def __exit__(self, kind: Any, *_: object) -> None:
         try:
             self.close()
         except Error:
             if kind is None:
                 raise
 
-    def exchange(self, position, orientation=(1.0, 0.0, 0.0, 0.0), buttons=0, deadman=False):
+    def exchange(self, position: Sequence[float], orientation: Sequence[float] = (1.0, 0.0, 0.0, 0.0), buttons: int = 0,
+                 deadman: bool = False) -> Optional[Tuple[Tuple[float, ...], Tuple[float, ...]]]:
         """For a hand of device "caller": gives the pose of the hand, position [m] and orientation as a unit quaternion w, x, y, z.
         Returns the force [N] and torque [N m] that the program applies until its next call, each three numbers; None: the run has
         ended, and nothing may be applied."""
@@ -124,18 +110,18 @@ class Hand:
             _raise(result)
         return None if result == abi.ENDED else (tuple(tick.force), tuple(tick.torque))
 
-    def latest(self):
+    def latest(self) -> Optional[abi.Tick]:
         """The newest tick, or None before the first: time [s], position [m], orientation, force [N], torque [N m], reply_age [s],
         balance [J], account_cut, zero_force_reason, connected. The next call overwrites it."""
         return self._newest(self._tick)
 
-    def _newest(self, tick):
+    def _newest(self, tick: abi.Tick) -> Optional[abi.Tick]:
         result = QUICK.fw_hand_latest(self._open(), tick, _TICK_SIZE)
         if result < 0:
             _raise(result)
         return tick if result == abi.OK else None
 
-    def ticks(self):
+    def ticks(self) -> Any:
         """The ticks since the last call: a NumPy array with a field for each number (ticks["force"] is n x 3), or a list of ticks where
         NumPy is not installed. The library keeps 16384 of them: after more without a call the newest are lost, and their numbers
         tell it."""
@@ -145,18 +131,21 @@ class Hand:
         result = QUICK.fw_hand_ticks(self._open(), self._room, _TICK_SIZE, _MOST_TICKS, count)
         if result < 0:
             _raise(result)
-        try:
-            import numpy
-        except ImportError:
-            return [abi.Tick.from_buffer_copy(tick) for tick in self._room[:count.value]]
-        return numpy.frombuffer(self._room, dtype=numpy.dtype(abi.TICK_DTYPE), count=_MOST_TICKS)[:count.value].copy()
+        room, numpy = self._room, numpy_or_none()
+        if numpy is None:
+            return [abi.Tick.from_buffer_copy(tick) for tick in room[:count.value]]
+        ticks = numpy.frombuffer(room, dtype=numpy.dtype(abi.TICK_DTYPE))[:count.value]
+        if count.value < _WORTH_KEEPING:
+            return ticks.copy()
+        self._room = None  # The array keeps it: no copy.
+        return ticks
 
-    def why_no_force(self):
+    def why_no_force(self) -> str:
         """Why the newest force is zero, in words; empty if it is not."""
         tick = self._newest(self._asked)
         return "" if tick is None else QUICK.fw_zero_force_text(tick.zero_force_reason).decode()
 
-    def messages(self):
+    def messages(self) -> List[str]:
         """The warnings and notes since the last call."""
         room, found = ctypes.create_string_buffer(4096), []
         with self._lock:
@@ -164,25 +153,26 @@ class Hand:
                 found.append(room.value.decode(errors="replace"))
         return found
 
-    def wait(self, timeout=1e6):
-        """Waits until the run has ended, at most `timeout` [s]. Returns whether it has. Ctrl-C interrupts it."""
+    def wait(self, timeout: float = 1e6) -> bool:
+        """Waits until the run has ended, at most `timeout` [s]; 0: only asks. Returns whether it has. Ctrl-C interrupts it."""
         step = 0.1  # [s] Python looks for Ctrl-C between two calls
-        while timeout > 0.0:
+        while True:
             with self._lock:
-                result = BLOCKING.fw_hand_wait(self._open(), min(step, timeout))
+                result = BLOCKING.fw_hand_wait(self._open(), max(min(step, timeout), 0.0))
             if result < 0:
                 _raise(result)
             if result == abi.ENDED:
                 return True
             timeout -= step
-        return False
+            if timeout <= 0.0:
+                return False
 
-    def stop(self):
+    def stop(self) -> None:
         """Lets the force fade and ends the run. Does not wait."""
         with self._lock:
             BLOCKING.fw_hand_stop(self._open())
 
-    def close(self):
+    def close(self) -> None:
         """Ends the run, and leaves the scene. Raises Error if an error had ended the run. May be called again."""
         with self._lock:
             handle, self._handle = self._handle, None
@@ -192,7 +182,7 @@ class Hand:
         if result != abi.OK:
             _raise(result)
 
-    def __del__(self):
+    def __del__(self) -> None:
         handle, self._handle = getattr(self, "_handle", None), None
         if handle is not None:
             BLOCKING.fw_hand_close(handle)

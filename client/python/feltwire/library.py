@@ -4,13 +4,14 @@ import ctypes.util
 import os
 import pathlib
 import shutil
+from typing import Any
 
 from . import abi
 
 HERE = pathlib.Path(__file__).resolve().parent
 
 
-def _path():
+def _path() -> str:
     """FELTWIRE_LIBRARY, a library beside this file (a wheel), or the system's."""
     chosen = os.environ.get("FELTWIRE_LIBRARY")
     if chosen:
@@ -21,7 +22,7 @@ def _path():
     return ctypes.util.find_library("feltwire") or "libfeltwire.so.0"
 
 
-def _load(kind):
+def _load(kind: Any) -> Any:
     path = _path()
     try:
         return abi.declare(kind(path))
@@ -29,11 +30,16 @@ def _load(kind):
         raise ImportError(f"{error}; install libfeltwire0, or set FELTWIRE_LIBRARY to the path of libfeltwire.so.0") from None
 
 
-BLOCKING = _load(ctypes.CDLL)  # gives other Python threads the interpreter meanwhile
-QUICK = _load(ctypes.PyDLL)  # keeps the interpreter: for calls that never wait
+def __getattr__(name: str) -> Any:
+    """BLOCKING gives other Python threads the interpreter meanwhile. QUICK keeps it: for calls that never wait. The library is loaded when
+    the first of them is asked for: without it, the programs are still found."""
+    if name not in ("BLOCKING", "QUICK"):
+        raise AttributeError(name)
+    globals()["BLOCKING"], globals()["QUICK"] = _load(ctypes.CDLL), _load(ctypes.PyDLL)
+    return globals()[name]
 
 
-def program(name):
+def program(name: str) -> str:
     """The path of a program of feltwire: beside this file (a wheel), in the folder FELTWIRE_PROGRAMS, or on the PATH."""
     folder = os.environ.get("FELTWIRE_PROGRAMS")
     beside = HERE / "bin" / name

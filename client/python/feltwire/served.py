@@ -1,68 +1,118 @@
 """A server that a program starts for itself."""
+from __future__ import annotations
+
+import os
 import pathlib
 import re
 import subprocess
+import sys
 import tempfile
 import threading
+import webbrowser
+from typing import Any, Dict, List, Optional, Sequence, Union
 
-from .hand import Error, join
+from .errors import Error
+from .hand import Hand, join
 from .library import program
+from .options import words
+from .scenes import Scene
+
+SceneSource = Union[str, "os.PathLike[str]", Scene]
 
 
-def serve(scene, **options):
-    """Starts feltwire-server with a scene file on a free port of this machine, and returns the Server when it listens.
+def serve(scene: Union[SceneSource, Sequence[SceneSource]], **options: Any) -> "Server":
+    """Starts feltwire-server with a scene on a free port of this machine, and returns the Server when it listens.
 
-    scene: the path of a scene file, or a list of paths. All other keywords are options of feltwire-server with _ for -:
-    web="0". Raises Error with the server's words if it does not start.
+    scene: the path of a scene file, a Scene, or a list of these. All other keywords are options of feltwire-server with _ for -:
+    web="0", record="room.mcap", real_time=True; a list repeats the option. Raises Error with the server's words if it does not start.
     """
     return Server(scene, options)
 
 
-class Server:
-    """A running server with keys of its own. Use it in a `with` block, or call close()."""
+def play(scene: Union[SceneSource, Sequence[SceneSource]], *, open_browser: bool = True, **options: Any) -> "Server":
+    """Starts a server with the live page (docs/live_page.md), and opens the page in the browser. Returns the Server.
 
-    def __init__(self, scenes, options):
-        scenes = [scenes] if isinstance(scenes, (str, pathlib.Path)) else list(scenes)
+    Prints the page's link. On a terminal it has the token in it, with which everyone on this machine who has the link may hold a hand;
+    elsewhere, as in a file or a notebook, it has not: Server.link is the whole link. Keywords and errors as in serve().
+    """
+    server = Server(scene, {"web": "0", **options})
+    print(f"live page: {server.link if sys.stdout.isatty() else server.page}", flush=True)
+    if open_browser:
+        webbrowser.open(server.door())
+    return server
+
+
+class Server:
+    """A running server with keys of its own. Use it in a `with` block, or call close().
+
+    address: "localhost:PORT" of its control port. scenes: the names of its scenes. page: the address of its live page, or None.
+    fingerprint_file, token_file: what a client needs. process: its process.
+    """
+
+    def __init__(self, scenes: Union[SceneSource, Sequence[SceneSource]], options: Dict[str, Any]):
+        sources: List[SceneSource] = [scenes] if isinstance(scenes, (str, os.PathLike, Scene)) else list(scenes)
         self._folder = tempfile.TemporaryDirectory(prefix="feltwire-")
-        state = pathlib.Path(self._folder.name) / "state"
+        folder = pathlib.Path(self._folder.name)
+        state = folder / "state"
         command = [program("feltwire-server"), "--port", "0", "--state", str(state)]
-        for scene in scenes:
-            command += ["--scene", str(scene)]
-        for name, value in options.items():
-            command += [f"--{name.replace('_', '-')}", str(value)]
-        self._process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        self.scenes, self.page = [], None
+        for number, scene in enumerate(sources):
+            if isinstance(scene, Scene):
+                own = folder / str(number)
+                own.mkdir()
+                scene = scene.place(own)
+            command += ["--scene", os.fspath(scene)]
+        self.process = subprocess.Popen(command + words(options, repeat=True), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        assert self.process.stdout is not None
+        self.scenes: List[str] = []
+        self.page: Optional[str] = None
         self.fingerprint_file, self.token_file = str(state / "fingerprint"), str(state / "local.token")
-        said, port = [], None
-        for line in self._process.stdout:
+        said: List[str] = []
+        port = ""
+        for line in self.process.stdout:
             said.append(line)
             if listening := re.match(r"listening: control tcp (\d+)", line):
                 port = listening[1]
+                self.scenes = re.findall(r", scene (.*?) udp \d+", line)
             if page := re.match(r"live page: (\S+)", line):
                 self.page = page[1]
-            if line.startswith("live page:" if "web" in options else "join:"):
+            if line.startswith("live page:" if options.get("web") is not None else "join:"):
                 break
         else:
             self.close()
             raise Error("the server did not start:\n" + "".join(said))
         self.address = f"localhost:{port}"
-        self.scenes = re.findall(r"--scene (\S+)", "".join(said)) or [pathlib.Path(one).stem for one in scenes]
         # A pipe that nobody reads would stop the server.
-        threading.Thread(target=self._process.stdout.read, daemon=True).start()
+        threading.Thread(target=self.process.stdout.read, daemon=True).start()
 
-    def join(self, scene=None, **options):
-        """Joins one of its scenes, the first one if none is named. Keywords as in feltwire.join()."""
+    @property
+    def link(self) -> str:
+        """The link of the live page with the token in it. Keep it as confidential as the token. Raises ValueError without a page."""
+        if self.page is None:
+            raise ValueError("the server has no live page; start it with web=\"0\", or by feltwire.play()")
+        return f"{self.page}#token={pathlib.Path(self.token_file).read_text(encoding='utf-8').strip()}"
+
+    def door(self) -> str:
+        """The address of a file that leads to the live page. Only this user may read it: a browser's command line, which other users of this
+        machine can see, has no token then. Raises ValueError without a page."""
+        path = pathlib.Path(self._folder.name) / "page.html"
+        with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "w", encoding="utf-8") as file:
+            file.write(f'<!doctype html><meta http-equiv="refresh" content="0;url={self.link}">')
+        return path.as_uri()
+
+    def join(self, scene: Optional[str] = None, **options: Any) -> Hand:
+        """Joins one of its scenes, the first one if none is named. Keywords and errors as in feltwire.join()."""
         return join(self.address, scene or self.scenes[0], fingerprint_file=self.fingerprint_file, token_file=self.token_file, **options)
 
-    def close(self):
+    def close(self) -> None:
         """Ends the server. May be called again."""
-        self._process.terminate()
-        self._process.wait()
-        self._process.stdout.close()
+        self.process.terminate()
+        self.process.wait()
+        if self.process.stdout is not None:
+            self.process.stdout.close()
         self._folder.cleanup()
 
-    def __enter__(self):
+    def __enter__(self) -> "Server":
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         self.close()

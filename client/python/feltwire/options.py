@@ -1,0 +1,26 @@
+"""Keywords of Python as options of a program."""
+from __future__ import annotations
+
+import os
+from typing import Any, Dict, List
+
+
+def words(options: Dict[str, Any], *, repeat: bool = False) -> List[str]:
+    """{"path": "press", "local_model": False} -> ["--path", "press", "--no-local-model"]
+
+    None is not given. A list is one word with commas; with `repeat` the option is repeated for each, and False is not given, as programs
+    without --no- options have it."""
+    found: List[str] = []
+    for name, value in options.items():
+        option = "--" + name.replace("_", "-")
+        if value is True:
+            found.append(option)
+        elif value is False:
+            found += [] if repeat else ["--no-" + option[2:]]
+        elif isinstance(value, (list, tuple)) and repeat:
+            for one in value:
+                found += [option, str(one)]
+        elif value is not None:
+            found += [option, ",".join(map(str, value)) if isinstance(value, (list, tuple)) else os.fspath(value)
+                      if isinstance(value, os.PathLike) else str(value)]
+    return found

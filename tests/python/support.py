@@ -1,0 +1,41 @@
+"""For the tests of the Python package. FELTWIRE_LIBRARY and FELTWIRE_PROGRAMS name what was built."""
+import os
+import pathlib
+import subprocess
+import sys
+import time
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+PACKAGE = SOURCE / "client/python"
+sys.path.insert(0, str(PACKAGE))
+
+LONGEST = 60.0  # [s]
+# Nobody holds these hands. A busy machine may let a thread wait, which must not end a run.
+PATIENT = {"let_go_after": 1, "flight_recorder": "off"}
+
+try:
+    import numpy
+except ImportError:
+    numpy = None
+
+# At the beginning of a program: NumPy and matplotlib are not installed.
+WITHOUT_NUMPY = "import sys\nsys.modules['numpy'] = sys.modules['matplotlib'] = None\n"
+
+
+def eventually(what, condition):
+    """Waits until the condition holds, and returns its value."""
+    end = time.monotonic() + LONGEST
+    while time.monotonic() < end:
+        if found := condition():
+            return found
+        time.sleep(0.005)
+    raise AssertionError(f"it did not happen within {LONGEST} s: {what}")
+
+
+def run_python(code, *arguments, folder=SOURCE, **environment):
+    """What a program of this text prints. It finds the package."""
+    done = subprocess.run([sys.executable, "-c", code, *map(str, arguments)], capture_output=True, text=True, cwd=folder, check=False,
+                          env={**os.environ, "PYTHONPATH": str(PACKAGE), "MPLBACKEND": "agg", **environment})
+    if done.returncode:
+        raise AssertionError(done.stdout + done.stderr)
+    return done.stdout
