@@ -21,6 +21,14 @@ except ImportError:
 # At the beginning of a program: NumPy and matplotlib are not installed.
 WITHOUT_NUMPY = "import sys\nsys.modules['numpy'] = sys.modules['matplotlib'] = None\n"
 
+# At the beginning of a program that others wrote: its hands are as patient.
+PATIENTLY = f"""
+import feltwire.hand, feltwire.served
+def _join(server, scene, _join=feltwire.hand.join, **options):
+    return _join(server, scene, **{{**{PATIENT}, **options}})
+feltwire.hand.join = feltwire.served.join = _join
+"""
+
 
 def eventually(what, condition):
     """Waits until the condition holds, and returns its value."""

@@ -53,7 +53,7 @@ def plot(run: Any, path: Optional[Union[str, "os.PathLike[str]"]] = None, *, axi
     panels[1].plot(time, given[:, along], color="#a02020", linewidth=1, label="given to the hand")
     panels[1].set_ylabel(f"force along {name} [N]")
     if commanded is not None:
-        panels[1].legend(loc="upper right")
+        panels[1].legend(loc="best")
     if balance is not None and has_balance:
         panels[2].plot(series["balance_time"], 1e3 * balance, color="#2e7d32")
         panels[2].set_ylabel("balance of the account [mJ]")

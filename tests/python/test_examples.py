@@ -1,0 +1,65 @@
+#!/usr/bin/env python3
+"""Every program of examples/python runs, and says what it should."""
+import pathlib
+import tempfile
+import unittest
+
+from support import PATIENTLY, SOURCE, numpy, run_python
+import feltwire
+
+try:
+    import matplotlib
+except ImportError:
+    matplotlib = None
+
+FOLDER = SOURCE / "examples/python"
+
+
+class Examples(unittest.TestCase):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.folder = pathlib.Path(self.temporary.name)
+
+    def tearDown(self):
+        self.temporary.cleanup()
+
+    def run_example(self, name, *arguments):
+        code = PATIENTLY + "import runpy, sys\nsys.argv = sys.argv[1:]\nrunpy.run_path(sys.argv[0], run_name='__main__')"
+        return run_python(code, FOLDER / name, *arguments, folder=self.folder)
+
+    @unittest.skipUnless(numpy, "NumPy is not installed")
+    def test_recording_to_numpy(self):
+        picture = self.folder / "hand.png"
+        said = self.run_example("recording_to_numpy.py", *([picture] if matplotlib else []))
+        self.assertIn("ticks of simulated in scene plane", said)
+        self.assertIn("smallest balance", said)
+        self.assertEqual(picture.exists(), bool(matplotlib))
+
+    def test_scene_by_program(self):
+        said = self.run_example("scene_by_program.py", self.folder / "bumps.json")
+        self.assertIn("scene bumps: 26 objects", said)
+        self.assertIn("1.20 N", said)  # 600 N/m, 2 mm deep in the middle of a ball
+        self.assertEqual(feltwire.Scene.load(self.folder / "bumps.json").check().text.splitlines()[0], said.splitlines()[0])
+
+    def test_two_hands(self):
+        said = self.run_example("two_hands.py", "1.5")
+        self.assertIn("largest forces: ", said)
+        self.assertTrue({"press", "taps"} <= {line.split()[0] for line in said.splitlines() if line}, said)
+
+    def test_program_as_device(self):
+        self.assertIn("the mass rests ", self.run_example("program_as_device.py", "1"))
+
+    def test_lab_verb(self):
+        said = {line.split()[0]: float(line.split()[-2]) for line in self.run_example("lab_verb.py").splitlines()}
+        self.assertGreater(said["none"], 0.1)
+        self.assertLessEqual(said["contact_frame"], 1e-6 + said["none"])
+
+    def test_they_are_short_and_all_are_run(self):
+        names = {path.name for path in FOLDER.glob("*.py")}
+        self.assertEqual(names, {"recording_to_numpy.py", "scene_by_program.py", "two_hands.py", "program_as_device.py", "lab_verb.py"})
+        for name in names:
+            self.assertLess(len((FOLDER / name).read_text().splitlines()), 80, name)
+
+
+if __name__ == "__main__":
+    unittest.main()
