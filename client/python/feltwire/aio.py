@@ -12,6 +12,7 @@ from typing import Any, AsyncIterator, Generator, List, Optional, Sequence, Tupl
 
 from . import abi
 from . import hand as blocking
+from .errors import Error
 
 _PERIOD = 0.02  # [s] between two looks at a hand
 
@@ -46,7 +47,7 @@ class Joining:
 
 def _close_late(joining: "asyncio.Future[blocking.Hand]") -> None:
     if not joining.cancelled() and joining.exception() is None:
-        joining.get_loop().run_in_executor(None, joining.result().__exit__, blocking.Error)
+        joining.get_loop().run_in_executor(None, joining.result().__exit__, Error)
 
 
 def join(server: str, scene: str, **options: Any) -> Joining:
@@ -126,6 +127,6 @@ class Hand:
     async def __aexit__(self, kind: Any, *_: object) -> None:
         try:
             await self.close()
-        except blocking.Error:
+        except Error:
             if kind is None:
                 raise

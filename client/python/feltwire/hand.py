@@ -148,7 +148,7 @@ class Hand:
     def why_no_force(self) -> str:
         """Why the newest force is zero, in words; empty if it is not."""
         tick = self._newest(self._asked)
-        return "" if tick is None else QUICK.fw_zero_force_text(tick.zero_force_reason).decode()
+        return "" if tick is None else str(QUICK.fw_zero_force_text(tick.zero_force_reason), "utf-8")
 
     def messages(self) -> List[str]:
         """The warnings and notes since the last call."""

@@ -101,7 +101,7 @@ def run(verb: str, *arguments: Union[str, "os.PathLike[str]"], table: Any = None
             options[results] = pathlib.Path(name) / "results"
         if results is not None and options.get(results) is not None:
             folder = pathlib.Path(options[results])
-        command = [program("feltwire-lab"), verb, *map(os.fspath, arguments), *words(options, repeat=verb == "link")]
+        command = [program("feltwire-lab"), verb, *[os.fspath(one) for one in arguments], *words(options, repeat=verb == "link")]
         done = subprocess.run(command, input=None if table is None else to_csv(table), stdin=subprocess.DEVNULL if table is None else None,
                               capture_output=True, text=True, check=False, timeout=timeout)
         result = Result(verb, done, folder)

@@ -9,6 +9,8 @@ from typing import Any
 from . import abi
 
 HERE = pathlib.Path(__file__).resolve().parent
+BLOCKING: Any
+QUICK: Any
 
 
 def _path() -> str:

@@ -10,7 +10,7 @@ import re
 import struct
 import zlib
 from dataclasses import dataclass, field
-from typing import Dict, Iterator, List, Optional, Tuple, Union
+from typing import Dict, Iterator, List, Optional, Set, Tuple, Union
 
 from . import zstd
 from .mcap_records import (ATTACHMENT, ATTACHMENT_INDEX, CHANNEL, CHUNK, CHUNK_INDEX, DATA_END, FOOTER, HEADER, MAGIC, MESSAGE,
@@ -46,7 +46,8 @@ class File:
     def messages(self) -> Iterator[List[Message]]:
         """The messages of each whole chunk, in the file's order."""
         self._read_summary()
-        size, at, ended, whole = len(self.data), len(MAGIC), False, set()
+        size, at, ended = len(self.data), len(MAGIC), False
+        whole: Set[int] = set()
         data_end = size if self._summary is None else self._summary
         if self.data[:at] != MAGIC:
             self._miss(0, min(at, size), "the first bytes are none of an MCAP file", b"")
@@ -87,7 +88,7 @@ class File:
                 yield messages
         self._judge_end(at, ended, whole)
 
-    def _judge_end(self, at: int, ended: bool, whole: set) -> None:
+    def _judge_end(self, at: int, ended: bool, whole: Set[int]) -> None:
         size = len(self.data)
         if self._summary is None and not ended and (not self.missing or self.missing[-1].end < size):
             self._miss(size, size, "the file ends before its footer: its last seconds may be missing", b"")
@@ -275,7 +276,8 @@ class File:
             raise Damage("a chunk has another size than it says")
         if crc and crc != zlib.crc32(records):
             raise Damage("the CRC of a chunk is wrong")
-        found, at = [], 0
+        found: List[Message] = []
+        at = 0
         while at < size:
             if size - at < _HEAD.size:
                 raise Damage("a record of this chunk is longer than the chunk")

@@ -4,9 +4,9 @@ from __future__ import annotations
 import operator
 import struct
 from array import array
-from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple, Union
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
-Value = Union[int, float, str, bytes, list, dict, None]
+Value = Any  # a number, a text, bytes, or a list or dict of these
 
 DOUBLE, FLOAT, BOOL, STRING, MESSAGE, BYTES, ENUM = 1, 2, 8, 9, 11, 12, 14
 _SIGNED = {3, 5, ENUM}  # varints that are two's complement
@@ -16,6 +16,9 @@ _WIRE = {DOUBLE: 1, 6: 1, 16: 1, FLOAT: 5, 7: 5, 15: 5, STRING: 2, MESSAGE: 2, B
 _UNSIGNED = {4, 6, 7, 13}
 _MOST_DEPTH = 32
 _MOST_LAYOUTS = 64  # that are tried for a length
+
+Place = Tuple[int, str, int]  # of a number in a message [bytes], its format for struct, its slot
+Layout = Callable[[bytes], Optional[Tuple[Value, ...]]]
 
 
 class Field(NamedTuple):
@@ -75,8 +78,8 @@ class Types:
                 self._file(descriptor_set[slice(*span)])
 
     @staticmethod
-    def _parts(data: bytes) -> Dict[int, list]:
-        parts: Dict[int, list] = {}
+    def _parts(data: bytes) -> Dict[int, List[Any]]:
+        parts: Dict[int, List[Any]] = {}
         for number, wire, value, _ in _fields(data, 0, len(data)):
             parts.setdefault(number, []).append(data[slice(*value)] if wire == 2 else value)
         return parts
@@ -113,7 +116,7 @@ class Types:
             return struct.unpack_from(_FIXED[kind], data, place)[0]
         if wire == 2:
             if kind == MESSAGE:
-                return self.record(data, *value, type_name, depth + 1)
+                return self.record(data, value[0], value[1], type_name, depth + 1)
             taken = data[slice(*value)]
             return taken.decode(errors="replace") if kind == STRING else taken
         if kind == BOOL:
@@ -140,12 +143,12 @@ class Types:
                         raw, after = _varint(data, at)
                     else:
                         raw, after = None, at + (8 if expected == 1 else 4)
-                    found[one.name].append(self.value(data, expected, raw, at, one.type, one.type_name))  # type: ignore[union-attr]
+                    found[one.name].append(self.value(data, expected, raw, at, one.type, one.type_name))
                     at = after
             elif wire == expected:
                 taken = self.value(data, wire, value, place, one.type, one.type_name, depth)
                 if one.repeated:
-                    found[one.name].append(taken)  # type: ignore[union-attr]
+                    found[one.name].append(taken)
                 else:
                     found[one.name] = taken
         return found
@@ -176,12 +179,12 @@ class Rows:
         self._types, self._name = types, name
         self.columns: List[Column] = []
         self._slots: List[Tuple[str, Value]] = []  # code and default
-        self._paths: Dict[Tuple[int, ...], Union[int, None]] = {}  # of field numbers, to a slot; None: a message to look into
+        self._paths: Dict[Tuple[int, ...], Optional[int]] = {}  # of field numbers, to a slot; None: a message to look into
         self._field_at: Dict[Tuple[int, ...], Field] = {}
         self._plan(name, (), "", (name,))
         self.data: List[Any] = [array(code) if code else [] for code, _ in self._slots]
         self._defaults = tuple(value for _, value in self._slots)
-        self._layouts: Dict[int, list] = {}
+        self._layouts: Dict[int, List[Layout]] = {}
 
     def _slot(self, path: Tuple[int, ...], one: Field) -> int:
         numeric = not one.repeated and one.type not in (STRING, BYTES, MESSAGE)
@@ -227,14 +230,13 @@ class Rows:
         for slot, (code, value) in enumerate(self._slots):
             if not code and isinstance(value, list):
                 values[slot] = []
-        places: Optional[List[Tuple[int, str, int]]] = []
-        if not self._read(data, 0, len(data), self._name, (), values, places):
-            places = None
-        if places is not None and len(layouts) < _MOST_LAYOUTS:
+        places: List[Place] = []
+        fixed = self._read(data, 0, len(data), self._name, (), values, places)
+        if fixed and len(layouts) < _MOST_LAYOUTS:
             layouts.append(self._layout(data, places))
         return tuple(values)
 
-    def _read(self, data: bytes, begin: int, end: int, name: str, path: Tuple[int, ...], values: list, places: list) -> bool:
+    def _read(self, data: bytes, begin: int, end: int, name: str, path: Tuple[int, ...], values: List[Value], places: List[Place]) -> bool:
         """Reads a message into `values`. Returns whether all its numbers have a fixed place, which are then in `places`."""
         fixed, lists = True, None
         for number, wire, value, place in _fields(data, begin, end):
@@ -245,7 +247,7 @@ class Rows:
                 continue
             slot = self._paths[here]
             if slot is None:
-                fixed &= self._read(data, *value, one.type_name, here, values, places)
+                fixed &= self._read(data, value[0], value[1], one.type_name, here, values, places)
             elif one.repeated:
                 fixed = False
                 lists = lists or self._types.record(data, begin, end, name, len(path))
@@ -260,9 +262,13 @@ class Rows:
                     fixed = False
         return fixed and len({slot for _, _, slot in places}) == len(places)
 
-    def _layout(self, data: bytes, places: List[Tuple[int, str, int]]) -> Callable[[bytes], Optional[Tuple[Value, ...]]]:
+    def _layout(self, data: bytes, places: List[Place]) -> Layout:
         """A function that takes a message of this shape: the same bytes between the numbers."""
-        code, between, at, fixed, numbers, varints = "<", [], 0, [], {}, []
+        code, at = "<", 0
+        between: List[bytes] = []
+        fixed: List[int] = []
+        varints: List[int] = []
+        numbers: Dict[int, int] = {}
         for place, kind, slot in sorted(places) + [(len(data), "", -1)]:
             if place > at:
                 code += f"{place - at}s"
@@ -290,7 +296,7 @@ class Rows:
         return take
 
 
-def _getter(indices: List[int]) -> Callable[[tuple], tuple]:
+def _getter(indices: List[int]) -> Callable[[Tuple[Any, ...]], Tuple[Any, ...]]:
     """As operator.itemgetter, which gives no tuple for fewer than two."""
     if len(indices) > 1:
         return operator.itemgetter(*indices)

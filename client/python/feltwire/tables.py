@@ -70,17 +70,17 @@ def vectors(columns: Dict[str, Any]) -> Dict[str, Any]:
     """Columns x, y, z as one column `position`, and so on."""
     numpy = numpy_or_none()
     found: Dict[str, Any] = {}
-    parts: Dict[str, str] = {}
+    part_of: Dict[str, str] = {}
     for name, axes in VECTORS:
         if all(axis in columns for axis in axes):
-            parts.update(dict.fromkeys(axes, name))
+            part_of.update(dict.fromkeys(axes, name))
     for column, values in columns.items():
-        name = parts.get(column)
-        if name is None:
+        whole = part_of.get(column)
+        if whole is None:
             found[{"t": "time"}.get(column, column)] = values
-        elif name not in found:
-            axes = [columns[axis] for axis in dict(VECTORS)[name]]
-            found[name] = numpy.column_stack(axes) if numpy else list(zip(*axes))
+        elif whole not in found:
+            parts = [columns[axis] for axis in dict(VECTORS)[whole]]
+            found[whole] = numpy.column_stack(parts) if numpy else list(zip(*parts))
     return found
 
 
@@ -90,7 +90,7 @@ def from_csv(text: Iterable[str], name: str) -> Dict[str, Any]:
     numpy = numpy_or_none()
     lines = list(text)
     reader = csv.reader(lines)
-    head = next(reader, [])
+    head: List[str] = next(reader, [])
     rows: List[List[str]] = []
     for row in reader:
         if not row:
@@ -114,11 +114,13 @@ def from_csv(text: Iterable[str], name: str) -> Dict[str, Any]:
 
 def to_csv(table: Any) -> str:
     """CSV lines with a header of a mapping of columns, a NumPy array with fields, or a list of dicts."""
+    head: List[str]
+    rows: Iterable[Any]
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     if isinstance(table, (list, tuple)):
         head = list(table[0]) if table else []
-        rows: Iterable[Any] = ([row[name] for name in head] for row in table)
+        rows = ([row[name] for name in head] for row in table)
     elif getattr(getattr(table, "dtype", None), "names", None):
         head, rows = list(table.dtype.names), table.tolist()
     else:

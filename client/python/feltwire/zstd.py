@@ -10,8 +10,8 @@ from .errors import Error
 
 
 def _of_python() -> Callable[[bytes, int], bytes]:
-    from compression import zstd  # type: ignore[import-not-found]
-    return lambda data, size: zstd.decompress(data)
+    from compression import zstd
+    return lambda data, size: bytes(zstd.decompress(data))
 
 
 def _of_library() -> Callable[[bytes, int], bytes]:
@@ -31,8 +31,8 @@ def _of_library() -> Callable[[bytes, int], bytes]:
 
 
 def _of_package() -> Callable[[bytes, int], bytes]:
-    import zstandard  # type: ignore[import-not-found]
-    return lambda data, size: zstandard.ZstdDecompressor().decompress(data, max_output_size=size)
+    import zstandard
+    return lambda data, size: bytes(zstandard.ZstdDecompressor().decompress(data, max_output_size=size))
 
 
 @functools.lru_cache(maxsize=None)
