@@ -11,10 +11,12 @@ import re
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
-LONGEST = 60.0      # [s] that a server may take to listen
+sys.dont_write_bytecode = True  # no files beside the sources
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "client/python"))
+import feltwire  # noqa: E402
+
 LET_GO_AFTER = 0.1  # [s]; nobody holds this device, and a busy machine may leave it without ticks for longer than the usual 5 ms
 
 
@@ -52,30 +54,16 @@ def check_headers(prefix, compiler):
     return len(headers)
 
 
-def feel(program, server_program, source, folder):
+def feel(program, source):
     """A second of the program in a scene of a server of its own."""
-    state = folder / "state"
-    out = folder / "server.out"
-    with open(out, "w") as stream:
-        server = subprocess.Popen([server_program, "--port", "0", "--state", state, "--scene", source / "scenes/plane.json"],
-                                  stdout=stream, stderr=subprocess.STDOUT)
-    try:
-        until = time.monotonic() + LONGEST
-        while "\njoin: " not in out.read_text() and server.poll() is None and time.monotonic() < until:
-            time.sleep(0.02)
-        listening = re.search(r"control tcp (\d+)", out.read_text())
-        if listening is None:
-            sys.exit(f"the server does not listen:\n{out.read_text()}")
-        return run(program, f"localhost:{listening[1]}", "plane", 1, LET_GO_AFTER,
-                   environment={"FELTWIRE_FINGERPRINT_FILE": str(state / "fingerprint"),
-                                "FELTWIRE_TOKEN_FILE": str(state / "local.token")})
-    finally:
-        server.terminate()
-        server.wait()
+    with feltwire.serve(source / "scenes/plane.json") as server:
+        return run(program, server.address, "plane", 1, LET_GO_AFTER,
+                   environment={"FELTWIRE_FINGERPRINT_FILE": server.fingerprint_file, "FELTWIRE_TOKEN_FILE": server.token_file})
 
 
 def main():
     source, build, compiler = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve(), sys.argv[3]
+    os.environ["FELTWIRE_PROGRAMS"] = str(build / "bin")
     with tempfile.TemporaryDirectory(prefix="feltwire-install-") as name:
         folder = Path(name)
         first, prefix = folder / "first", folder / "moved"
@@ -89,7 +77,7 @@ def main():
             f"-DCMAKE_CXX_COMPILER={compiler}", f"-DEXAMPLES={source / 'examples'}")
         run("cmake", "--build", folder / "build", "--parallel", 2)
         run(folder / "build/bound")
-        feel(folder / "build/my_device", build / "bin/feltwire-server", source, folder)
+        feel(folder / "build/my_device", source)
 
         # The released one includes the header at its place in version 0.1, and does not know functions that were added since.
         for plugin, known in ((source / "examples/my_plugin.c", []),
@@ -108,7 +96,7 @@ def main():
         flags = run("pkg-config", "--cflags", "--libs", "feltwire",
                     environment={"PKG_CONFIG_PATH": str(next(prefix.rglob("feltwire.pc")).parent)}).split()
         run(compiler, "-std=c++20", example, *flags, "-o", folder / "my_device")
-        feel(folder / "my_device", build / "bin/feltwire-server", source, folder)
+        feel(folder / "my_device", source)
         print(f"{headers} headers; my_device built with find_package and with pkg-config, each felt the plane")
 
 

@@ -23,10 +23,12 @@ WITHOUT_NUMPY = "import sys\nsys.modules['numpy'] = sys.modules['matplotlib'] = 
 
 # At the beginning of a program that others wrote: its hands are as patient.
 PATIENTLY = f"""
-import feltwire.hand, feltwire.served
+import feltwire.hand
 def _join(server, scene, _join=feltwire.hand.join, **options):
+    if options.get("device") == "caller":
+        options.update(stale_after=0.2, hold_time=1)
     return _join(server, scene, **{{**{PATIENT}, **options}})
-feltwire.hand.join = feltwire.served.join = _join
+feltwire.hand.join = _join
 """
 
 

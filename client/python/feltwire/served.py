@@ -9,13 +9,15 @@ import sys
 import tempfile
 import threading
 import webbrowser
-from typing import Any, Dict, List, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Union
 
 from .errors import Error
-from .hand import Hand, join
 from .library import program
 from .options import words
 from .scenes import Scene
+
+if TYPE_CHECKING:
+    from .hand import Hand
 
 SceneSource = Union[str, "os.PathLike[str]", Scene]
 
@@ -99,8 +101,9 @@ class Server:
             file.write(f'<!doctype html><meta http-equiv="refresh" content="0;url={self.link}">')
         return path.as_uri()
 
-    def join(self, scene: Optional[str] = None, **options: Any) -> Hand:
+    def join(self, scene: Optional[str] = None, **options: Any) -> "Hand":
         """Joins one of its scenes, the first one if none is named. Keywords and errors as in feltwire.join()."""
+        from .hand import join  # A program that only serves does not need the library.
         return join(self.address, scene or self.scenes[0], fingerprint_file=self.fingerprint_file, token_file=self.token_file, **options)
 
     def close(self) -> None:
