@@ -7,6 +7,7 @@ import tempfile
 import threading
 import time
 import unittest
+import unittest.mock
 
 SOURCE = pathlib.Path(sys.argv.pop(1)).resolve()
 sys.path.insert(0, str(SOURCE / "client/python"))
@@ -82,6 +83,24 @@ class Hands(unittest.TestCase):
             hand.close()
             for thread in threads:
                 thread.join()
+
+    def test_ticks_as_arrays_and_as_lists(self):
+        """An array of many ticks is no copy, and what is fetched later does not change it."""
+        with self.server.join(path="press", **PATIENT) as hand, unittest.mock.patch("feltwire.hand._WORTH_KEEPING", 1):
+            batches = []
+
+            def fetch():
+                batches.append(hand.ticks())
+                return len(batches[-1])
+
+            for _ in range(3):
+                eventually("ticks", fetch)
+            with unittest.mock.patch.dict(sys.modules, numpy=None):
+                eventually("ticks", fetch)
+        self.assertIsInstance(batches[-1], list)
+        numbers = [int(tick["number"]) if hasattr(tick, "dtype") else tick.number for batch in batches for tick in batch]
+        self.assertEqual(numbers, list(range(1, len(numbers) + 1)))
+        self.assertFalse(any(batch.flags.owndata for batch in batches[:-1] if hasattr(batch, "flags") and len(batch)))
 
     def test_structs_have_the_layout_of_the_table(self):
         from feltwire import abi

@@ -10,6 +10,7 @@ import tempfile
 import unittest
 import warnings
 import zipfile
+import zlib
 
 from support import PATIENT, SOURCE, WITHOUT_NUMPY, eventually, run_python
 import feltwire
@@ -198,7 +199,39 @@ def text(number, value):
     return bytes([number << 3 | 2]) + size + value
 
 
+def record(opcode, content):
+    """A record of an MCAP file."""
+    return struct.pack("<BQ", opcode, len(content)) + content
+
+
+def blob(content):
+    return struct.pack("<I", len(content)) + content
+
+
 class Decoding(unittest.TestCase):
+    def test_a_file_of_another_program(self):
+        """A chunk without compression with its own definitions, two encodings, and no summary."""
+        message = text(4, text(1, b"M") + text(2, text(1, b"a") + b"\x18\x01\x20\x01\x28\x01"))
+        inside = record(3, struct.pack("<H", 1) + blob(b"M") + blob(b"protobuf") + blob(text(1, message)))
+        inside += record(4, struct.pack("<HH", 1, 1) + blob(b"/a") + blob(b"protobuf") + blob(b""))
+        inside += record(4, struct.pack("<HH", 2, 0) + blob(b"/b") + blob(b"json") + blob(b""))
+        for number, data in ((1, b"\x09" + struct.pack("<d", 2.5)), (2, b"{}"), (1, b"")):
+            inside += record(5, struct.pack("<HIQQ", number, 0, 5_000_000_000, 0) + data)
+        chunk = struct.pack("<QQQI", 0, 0, len(inside), zlib.crc32(inside)) + blob(b"") + struct.pack("<Q", len(inside)) + inside
+        magic = b"\x89MCAP0\r\n"
+        data = magic + record(1, blob(b"") + blob(b"")) + record(6, chunk) + record(15, bytes(4)) + record(2, bytes(20)) + magic
+        with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+            warnings.simplefilter("error", feltwire.DamageWarning)
+            path = pathlib.Path(folder) / "other.mcap"
+            path.write_bytes(data)
+            recording = feltwire.read(path)
+            self.assertEqual((list(recording["/a"]["a"]), recording["/b"]["data"], list(recording["/a"].log_time)),
+                             ([2.5, 0.0], [b"{}"], [5_000_000_000] * 2))
+            path.write_bytes(data.replace(text(1, b"a"), text(1, b"\xff")).replace(struct.pack("<I", zlib.crc32(inside)), bytes(4)))
+            with self.assertRaisesRegex(feltwire.FileError, "the schema of /a cannot be read"):
+                feltwire.read(path)
+            self.assertEqual(list(feltwire.read(path, topics=["/b"])), ["/b"])
+
     def test_what_is_no_zstd_frame_is_refused(self):
         with self.assertRaises(ValueError):
             zstd.decompress(b"no frame", 10)

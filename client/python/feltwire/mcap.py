@@ -94,11 +94,16 @@ class File:
             self._miss(size, size, "the file ends before its footer: its last seconds may be missing", b"")
         if self._summary is not None and not ended and not self.missing:
             self._miss(at, at, "the record that ends the data is damaged, but every chunk is whole", b"")
-        if self._summary is None and ended:
+        if self._summary is None and ended and not self._ends_without_summary(at):
             self._miss(at, size, "the summary is damaged; no message is in it", b"")
         for place in sorted(self._times):
             if place not in whole and not any(m.begin <= place < m.end for m in self.missing):
                 self._miss(place, place, "a chunk of the summary is not there", b"")
+
+    def _ends_without_summary(self, at: int) -> bool:
+        """Whether the footer of a file that never had a summary is here."""
+        end = at + _FOOTER_SIZE
+        return self.data[end:] == MAGIC and self.data[at:at + _HEAD.size + 8] == _HEAD.pack(FOOTER, 20) + bytes(8)
 
     def _head(self, at: int) -> Optional[Tuple[int, int]]:
         """Opcode and end of the record at a place; None: no record can begin there."""

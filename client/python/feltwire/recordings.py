@@ -4,6 +4,7 @@ from __future__ import annotations
 import mmap
 import os
 import pathlib
+import struct
 import warnings
 from array import array
 from typing import Any, Collection, Dict, Iterator, List, Optional, Tuple, Union
@@ -15,6 +16,8 @@ from .protobuf import Rows, Types
 from .tables import Table, from_csv, numpy_or_none, vectors
 
 Path = Union[str, "os.PathLike[str]"]
+# Of messages and schemas that are not what they say.
+_MALFORMED = (ValueError, LookupError, TypeError, AttributeError, OverflowError, RecursionError, struct.error)
 
 
 class DamageWarning(UserWarning):
@@ -151,7 +154,7 @@ class _Reader:
             batches: Dict[int, List[bytes]] = {}
             for message in messages:
                 if message.channel not in known:
-                    known[message.channel] = self._topic(file, message.channel)
+                    known[message.channel] = self._topic(path, file, message.channel)
                 topic = known[message.channel]
                 if topic is not None:
                     topic.log_time.append(message.log_time)
@@ -166,11 +169,11 @@ class _Reader:
             return
         try:
             topic.rows.extend(batch)
-        except (ValueError, IndexError, KeyError) as error:
+        except _MALFORMED as error:
             raise FileError(f"{path}: a message of {topic.channel.topic} is not as its schema says ({error}); leave the topic out with "
                             "read(..., topics=[...])") from None
 
-    def _topic(self, file: mcap.File, number: int) -> Optional[_Topic]:
+    def _topic(self, path: pathlib.Path, file: mcap.File, number: int) -> Optional[_Topic]:
         """The topic of a channel, or None if nobody asked for it."""
         channel = file.channels[number]
         if self._wanted is not None and channel.topic not in self._wanted:
@@ -179,8 +182,12 @@ class _Reader:
         if known is not None:
             return known
         schema = file.schemas.get(channel.schema)
-        types = Types(schema.data) if schema is not None and channel.message_encoding == schema.encoding == "protobuf" else None
-        topic = self._topics[channel.topic] = _Topic(channel, types, schema.name if schema else "")
+        try:
+            types = Types(schema.data) if schema is not None and channel.message_encoding == schema.encoding == "protobuf" else None
+            topic = self._topics[channel.topic] = _Topic(channel, types, schema.name if schema else "")
+        except _MALFORMED as error:
+            raise FileError(f"{path}: the schema of {channel.topic} cannot be read ({error}); leave the topic out with "
+                            "read(..., topics=[...])") from None
         return topic
 
     def recording(self) -> Recording:
