@@ -16,7 +16,7 @@ from .protobuf import Rows, Types
 from .tables import Table, from_csv, numpy_or_none, vectors
 
 Path = Union[str, "os.PathLike[str]"]
-# Of messages and schemas that are not what they say.
+# The errors of messages and schemas that are not what they say.
 _MALFORMED = (ValueError, LookupError, TypeError, AttributeError, OverflowError, RecursionError, struct.error)
 
 

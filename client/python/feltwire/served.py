@@ -1,6 +1,7 @@
 """A server that a program starts for itself."""
 from __future__ import annotations
 
+import collections
 import os
 import pathlib
 import re
@@ -83,8 +84,8 @@ class Server:
             self.close()
             raise Error("the server did not start:\n" + "".join(said))
         self.address = f"localhost:{port}"
-        # A pipe that nobody reads would stop the server.
-        threading.Thread(target=self.process.stdout.read, daemon=True).start()
+        # A pipe that nobody reads would stop the server. Nothing of it is kept.
+        threading.Thread(target=collections.deque, args=(self.process.stdout, 0), daemon=True).start()
 
     @property
     def link(self) -> str:
