@@ -9,14 +9,12 @@
 #include <limits>
 #include <utility>
 
+#include "client/observer/observer_session.hpp"
+#include "client/observer/query_thread.hpp"
 #include "client/run/observed_scene.hpp"
-#include "client/servo/servo_thread.hpp"
 #include "client/transport/control_dialogue.hpp"
 #include "client/transport/listing.hpp"
-#include "client/transport/transport.hpp"
 #include "core/base/visible_text.hpp"
-#include "core/build_info/build_info.hpp"
-#include "core/device/device_spec.hpp"
 #include "gateway/remote_scene/seen_picture.hpp"
 #include "protocol/net/clock.hpp"
 
@@ -24,72 +22,8 @@ namespace feltwire {
 namespace {
 
 constexpr const char* kName = "feltwire-view";
-constexpr double kPeriod = 0.01;   // [s] period of the samples and of the scene states (views)
 constexpr int kBetweenLooks = 16;  // [ms] longest wait between two checks for new views
-constexpr std::size_t kRoom = 64;  // largest number of waiting views, about half a second
 constexpr int kBetweenAsks = 500;  // [ms] wait between two requests for data that the views lack
-
-/// Waits until the event is set or the time [ms] is over.
-void wait_for(const Event& event, int time) {
-  pollfd waiting{event.descriptor(), POLLIN, 0};
-  ::poll(&waiting, 1, time);
-}
-
-/// Device of an observer. It has no hand and never moves.
-class ObserverDevice final : public Device {
- public:
-  ObserverDevice() : spec_(builtin_device("simulated")) { spec_.name = kName; }
-  const DeviceSpec& spec() const override { return spec_; }
-  DeviceReading read(Nanoseconds) noexcept override { return {}; }
-  Command write(const Command&) noexcept override { return {}; }
-  void release() noexcept override {}
-
- private:
-  DeviceSpec spec_;
-};
-
-/// Returns session parameters with one sample per view. No sample is repeated, because an observer
-/// needs no force and a lost sample does no harm.
-SessionParameters observer_parameters() {
-  SessionParameters parameters;
-  parameters.servo_period = kPeriod;
-  parameters.redundancy = 0;
-  return parameters;
-}
-
-/// State that the servo thread shares with its owner. The thread keeps this state alive if it
-/// hangs.
-struct ObserverTask : ServoTask {
-  using ServoTask::ServoTask;
-  Ring<TimedView> views{kRoom};
-};
-
-/// Queries the server in its own thread, so that a slow answer does not delay a picture. The
-/// destructor ends the thread.
-class QueryThread {
- public:
-  explicit QueryThread(std::function<void(const Event&)> ask)
-      : thread_([this, ask = std::move(ask)] { ask(over_); }) {}
-  ~QueryThread() {
-    over_.set();
-    thread_.join();
-  }
-  QueryThread(const QueryThread&) = delete;
-  QueryThread& operator=(const QueryThread&) = delete;
-
- private:
-  Event over_;
-  std::thread thread_;
-};
-
-std::string why(const LoopResult& result) {
-  if (result.end == EndReason::server_silent) return "the server gives no answer";
-  if (result.end != EndReason::server_goodbye) return "the observer's thread came to a stop";
-  return result.goodbye == GoodbyeReason::shutting_down ? "the server is shutting down"
-         : result.goodbye == GoodbyeReason::evicted
-             ? "an admin of the server ended the observer's session, or its token was revoked"
-             : "the server ended the observer's session; its log says why";
-}
 
 }  // namespace
 
@@ -266,50 +200,24 @@ void RemoteScene::run() {
 /// Joins the scene, and shows the views until the session ends. Returns the reason for the end.
 /// Throws the exceptions of join().
 std::string RemoteScene::look_on() {
-  auto eye = std::make_unique<ObserverDevice>();
-  control::JoinRequest request{kName, name_, eye->spec(), observer_parameters(), Role::observer};
-  request.version = version();
-  request.figures = true;
-  // An observer has no force feedback, so the server may choose the hold time.
-  const Joined joined =
-      join(server_, request, options_.timeout, {.hold_time = kLongestGrantedHold});
-  const SessionParameters& parameters = joined.accepted.parameters;
-  const auto transport = std::make_shared<Transport>(
-      SessionAddress{joined.datagrams, joined.accepted.session, joined.keys}, parameters,
-      eye->spec().rotation_sensed > 0, open_udp_port(joined.datagrams));
-  std::optional<ServoThread> thread;
-  std::shared_ptr<ObserverTask> task;
-  try {
-    ServoOptions servo;
-    servo.observes = true;
-    task = std::make_shared<ObserverTask>(std::move(eye), transport, parameters, servo);
-    task->options.silence_timeout = from_seconds(joined.accepted.silence_timeout);
-    task->priority = ServoTask::kNoRealTime;
-    task->let_go_after = parameters.hold_time;  // any time is safe: an observer gives no force
-    task->outputs.views = &task->views;
-    thread.emplace(task);
-  } catch (...) {
-    transport->goodbye();
-    throw;
-  }
+  ObserverSession session(server_, {.name = kName, .scene = name_, .timeout = options_.timeout});
   joined_ = true;
   spdlog::info("scene {}: looks on", visible(name_));
   const QueryThread asking([this](const Event& over) { ask_on(over); });
   ObservedScene seen;
   TimedView shown;
   std::array<pollfd, 2> waiting{
-      {{stop_.descriptor(), POLLIN, 0}, {thread->over_descriptor(), POLLIN, 0}}};
-  while (!stop_.is_set() && !thread->over()) {
+      {{stop_.descriptor(), POLLIN, 0}, {session.over_descriptor(), POLLIN, 0}}};
+  while (!stop_.is_set() && !session.over()) {
     bool news = false;
-    while (task->views.pop(shown)) {
+    while (session.take(shown)) {
       seen.take(shown.view);
       news = true;
     }
     if (news) show(seen);
     ::poll(waiting.data(), waiting.size(), kBetweenLooks);
   }
-  thread->end();
-  return why(task->result);
+  return session.end();
 }
 
 }  // namespace feltwire
