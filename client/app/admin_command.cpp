@@ -2,8 +2,13 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <chrono>
 #include <cstdio>
+#include <functional>
+#include <optional>
+#include <span>
 #include <stdexcept>
+#include <string_view>
 #include <thread>
 
 #include "client/app/admin_requests.hpp"
@@ -46,57 +51,76 @@ struct AdminWords {
   bool link() const { return delay || jitter || loss; }
 };
 
-void print(std::string_view text) { std::fwrite(text.data(), 1, text.size(), stdout); }
+/// Gets the answer of a command, in pieces.
+using Write = std::function<void(std::string_view text)>;
 
-void list_sessions(const ServerAccess& server, const AdminWords& words) {
-  const SeenSessions sessions = sessions_of(server, words.scene);
-  if (words.json)
-    write_session_json(sessions, print);
-  else
-    print(session_table(sessions));
+/// The answer of a command that changes something: a line, or its values.
+void answer(const AdminWords& words, const Write& write, const std::string& line,
+            const AnswerFields& fields) {
+  write((words.json ? answer_json(fields) : line) + "\n");
 }
 
-void reload(const ServerAccess& server, const AdminWords& words) {
+void list_scenes_of(const ServerAccess& server, const AdminWords& words, const Write& write) {
+  const auto scenes = list_scenes(server, kControlTimeout);
+  write(words.json ? scene_json(server.endpoint, scenes) : scene_table(server.endpoint, scenes));
+}
+
+void list_sessions(const ServerAccess& server, const AdminWords& words, const Write& write) {
+  const SeenSessions sessions = sessions_of(server, words.scene);
+  if (words.json)
+    write_session_json(sessions, write);
+  else
+    write(session_table(sessions));
+}
+
+void reload(const ServerAccess& server, const AdminWords& words, const Write& write) {
   // Longest wait for the answer. The server answers after it has loaded the scene, and large grids
   // and meshes load slowly.
   constexpr std::chrono::minutes kPatience{10};
   ask(server, control::ReloadScene{words.scene}, kPatience);
-  print("scene " + visible(words.scene) + " is reloaded\n");
+  answer(words, write, "scene " + visible(words.scene) + " is reloaded",
+         {{"scene", visible(words.scene)}});
 }
 
-void evict(const ServerAccess& server, const AdminWords& words) {
+void evict(const ServerAccess& server, const AdminWords& words, const Write& write) {
   const SeenSessions sessions = sessions_of(server, words.scene);
   const SeenSession& seen = session_named(sessions, words.session);
   ask_for<control::Evicted>(server, control::Evict{seen.session.session});
-  print("session " + std::to_string(seen.session.number) + " of scene " + visible(seen.scene) +
-        " (" + visible(seen.session.client) + ") is evicted\n");
+  AnswerFields fields = fields_of(seen);
+  fields.emplace_back("client", visible(seen.session.client));
+  answer(words, write, text_of(seen) + " (" + visible(seen.session.client) + ") is evicted",
+         fields);
 }
 
 /// Waits up to 3 s until the client of the session answers the requested change. Throws
-/// std::runtime_error if the client refuses the change or does not answer.
-void await_client(const ServerAccess& server, const SeenSession& seen) {
+/// LastingError if the client refuses the change, and SessionError if it does not answer.
+void await_client(const ServerAccess& server, const AdminWords& words, const SeenSession& seen,
+                  const Write& write) {
   constexpr int kLooks = 30;
   constexpr std::chrono::milliseconds kBetween{100};
   const std::string name = std::to_string(seen.session.session);
   for (int look = 0; look < kLooks; ++look) {
     const SeenSessions sessions = sessions_of(server, seen.scene);
-    const control::SessionDescription& now = session_named(sessions, name).session;
-    const std::string who = "the client of session " + std::to_string(now.number) + " of scene " +
-                            visible(seen.scene) + " has ";
-    if (now.answer == ChangeAnswer::taken)
-      return print(who + "taken the change: " + visible(now.asked) + "\n");
-    if (now.answer == ChangeAnswer::refused)
-      throw std::runtime_error(who + "refused the change (" + now.asked +
-                               "): its own output says why (docs/admin.md)");
+    const SeenSession& now = session_named(sessions, name);
+    const std::string who = "the client of " + text_of(now) + " has ";
+    if (now.session.answer == ChangeAnswer::taken) {
+      AnswerFields fields = fields_of(now);
+      fields.emplace_back("change", visible(now.session.asked));
+      return answer(words, write, who + "taken the change: " + visible(now.session.asked), fields);
+    }
+    if (now.session.answer == ChangeAnswer::refused)
+      throw LastingError(who + "refused the change (" + now.session.asked +
+                         "): its own output says why (docs/admin.md)");
     std::this_thread::sleep_for(kBetween);
   }
-  throw std::runtime_error(
+  throw SessionError(
       "the client has not answered for three seconds; the server continues to ask it. See the "
       "result with admin sessions");
 }
 
 /// Changes the emulated link of a session. An omitted --delay, --jitter or --loss becomes zero.
-void set_link(const ServerAccess& server, const AdminWords& words, const SeenSession& seen) {
+void set_link(const ServerAccess& server, const AdminWords& words, const SeenSession& seen,
+              const Write& write) {
   if (words.parameters != BoundWords{})
     throw std::invalid_argument(
         "--delay, --jitter and --loss change the link, the other options change the bound; give "
@@ -104,23 +128,31 @@ void set_link(const ServerAccess& server, const AdminWords& words, const SeenSes
   const LinkQuality link{words.delay.value_or(0.0) / kMilli, words.jitter.value_or(0.0) / kMilli,
                          words.loss.value_or(0.0) / kPercent};
   ask_for<control::SceneChanged>(server, control::SetLink{seen.session.session, link});
-  await_client(server, seen);
+  await_client(server, words, seen, write);
 }
 
-void set_lead(const ServerAccess& server, const AdminWords& words, const SeenSession& seen) {
+/// Sends a change of a scene, and tells what the server has changed.
+void change(const ServerAccess& server, const AdminWords& words, const std::string& scene,
+            const control::Message& request, const Write& write) {
+  const std::string what = visible(ask_for<control::SceneChanged>(server, request).what);
+  answer(words, write, "scene " + visible(scene) + ": " + what,
+         {{"scene", visible(scene)}, {"change", what}});
+}
+
+void set_lead(const ServerAccess& server, const AdminWords& words, const SeenSession& seen,
+              const Write& write) {
   if (words.parameters != BoundWords{} || words.link())
     throw std::invalid_argument(
         "--lead-share changes the lead of a robot; give the other options in a second command");
-  const control::SetLead request{seen.session.session, *words.lead_share};
-  print("scene " + visible(seen.scene) + ": " +
-        visible(ask_for<control::SceneChanged>(server, request).what) + "\n");
+  change(server, words, seen.scene, control::SetLead{seen.session.session, *words.lead_share},
+         write);
 }
 
-void set_session(const ServerAccess& server, const AdminWords& words) {
+void set_session(const ServerAccess& server, const AdminWords& words, const Write& write) {
   const SeenSessions sessions = sessions_of(server, words.scene);
   const SeenSession& seen = session_named(sessions, words.session);
-  if (words.lead_share) return set_lead(server, words, seen);
-  if (words.link()) return set_link(server, words, seen);
+  if (words.lead_share) return set_lead(server, words, seen, write);
+  if (words.link()) return set_link(server, words, seen, write);
   const SessionParameters wanted = with_words(seen.session.parameters, words.parameters);
   if (wanted == seen.session.parameters)
     throw std::invalid_argument(
@@ -128,16 +160,15 @@ void set_session(const ServerAccess& server, const AdminWords& words) {
         "for example of --mode");
   const auto set =
       ask_for<control::ParametersSet>(server, control::SetParameters{seen.session.session, wanted});
-  if (set.parameters != wanted) return await_client(server, seen);
-  print("session " + std::to_string(seen.session.number) + " of scene " + visible(seen.scene) +
-        " has the new parameters\n");
+  if (set.parameters != wanted) return await_client(server, words, seen, write);
+  answer(words, write, text_of(seen) + " has the new parameters", fields_of(seen));
 }
 
-void set(const ServerAccess& server, const AdminWords& words) {
+void set(const ServerAccess& server, const AdminWords& words, const Write& write) {
   const bool object = words.material != MaterialChange{}, session = !words.session.empty();
   if (int{object} + int{session} + int{words.gravity.has_value()} != 1)
     throw std::invalid_argument("give one of --object, --gravity and --session");
-  if (session) return set_session(server, words);
+  if (session) return set_session(server, words, write);
   const std::string scene = scene_named(server, words.scene);
   control::Message request = control::SetMaterial{scene, words.material};
   if (words.gravity)
@@ -146,33 +177,42 @@ void set(const ServerAccess& server, const AdminWords& words) {
   else if (words.material.object.empty())
     throw std::invalid_argument(
         "--object is required; give the name of the object that has this material");
-  print("scene " + visible(scene) + ": " +
-        visible(ask_for<control::SceneChanged>(server, request).what) + "\n");
+  change(server, words, scene, request, write);
 }
 
 /// Makes the server write a flight record of one scene, or of each scene that the token opens.
-void record(const ServerAccess& server, const AdminWords& words) {
-  for (const std::string& scene : scenes_named(server, words.scene))
-    print(
-        "scene " + visible(scene) + ": flight record: " +
-        visible(
-            ask_for<control::FlightRecordWritten>(server, control::WriteFlightRecord{scene}).file) +
-        "\n");
+void record(const ServerAccess& server, const AdminWords& words, const Write& write) {
+  std::vector<std::string> records;
+  for (const std::string& scene : scenes_named(server, words.scene)) {
+    const std::string file = visible(
+        ask_for<control::FlightRecordWritten>(server, control::WriteFlightRecord{scene}).file);
+    if (words.json)
+      records.push_back(answer_json({{"scene", visible(scene)}, {"file", file}}));
+    else
+      write("scene " + visible(scene) + ": flight record: " + file + "\n");
+  }
+  if (words.json) write(json_list(records));
 }
 
-void print_counters(const ServerAccess& server, const AdminWords& words) {
+void show_counters(const ServerAccess& server, const AdminWords& words, const Write& write) {
   const std::vector<SeenCounters> counters = counters_of(server);
-  print(words.json ? counter_json(counters) : counter_lines(counters));
+  write(words.json ? counter_json(counters) : counter_lines(counters));
 }
 
-/// Adds the options that all commands share: server address and credentials.
-void add_access(CLI::App& command, AdminWords& words, int argc, char** argv) {
+/// The command line of the program. Empty: a library, which knows the server and the credentials.
+using CommandLine = std::span<char*>;
+
+/// Adds the options that all commands share.
+void add_shared(CLI::App& command, AdminWords& words, CommandLine line) {
+  command.add_flag("--json", words.json, "Print JSON");
+  if (line.empty()) return;
   command
       .add_option("--connect", words.connect,
                   "HOST:PORT of the server's control port; IPv6 as [::1]:PORT")
       ->required();
   add_credential_options(command, words.credentials);
-  read_environment(command, argc, argv, {.shared = credential_variables()}, credential_rivals());
+  read_environment(command, static_cast<int>(line.size()), line.data(),
+                   {.shared = credential_variables()}, credential_rivals());
 }
 
 void add_material(CLI::App& command, MaterialChange& material) {
@@ -256,19 +296,19 @@ void add_lead(CLI::App& command, AdminWords& words) {
 
 struct AdminCommand {
   CLI::App* command;
-  void (*run)(const ServerAccess& server, const AdminWords& words);
+  void (*run)(const ServerAccess& server, const AdminWords& words, const Write& write);
 };
 
-std::vector<AdminCommand> add_commands(CLI::App& app, AdminWords& words, int argc, char** argv) {
+std::vector<AdminCommand> add_commands(CLI::App& app, AdminWords& words, CommandLine line) {
   const auto add_command = [&](const char* name, const char* does) {
     CLI::App* command = app.add_subcommand(name, does);
     // Add these options first, because environment variables set only the options added so far.
-    add_access(*command, words, argc, argv);
+    add_shared(*command, words, line);
     return command;
   };
+  CLI::App* scenes = add_command("scenes", "List the scenes that the token opens");
   CLI::App* sessions = add_command("sessions", "List the sessions and their state");
   sessions->add_option("--scene", words.scene, "Show only this scene");
-  sessions->add_flag("--json", words.json, "Print JSON");
   CLI::App* reloading = add_command("reload", "Reload a scene's file");
   reloading->add_option("SCENE", words.scene, "Name of the scene")->required();
   CLI::App* evicting = add_command("evict", "End a session with a goodbye");
@@ -294,10 +334,16 @@ std::vector<AdminCommand> add_commands(CLI::App& app, AdminWords& words, int arg
                                     "(--flight-recorder), and print the file name");
   recording->add_option("--scene", words.scene, "Name of the scene. Default: all scenes");
   CLI::App* counting = add_command("stats", "Show the server's counters");
-  counting->add_flag("--json", words.json, "Print JSON");
-  return {{sessions, &list_sessions}, {reloading, &reload},
-          {evicting, &evict},         {setting, &set},
-          {recording, &record},       {counting, &print_counters}};
+  return {{scenes, &list_scenes_of}, {sessions, &list_sessions},
+          {reloading, &reload},      {evicting, &evict},
+          {setting, &set},           {recording, &record},
+          {counting, &show_counters}};
+}
+
+void run(const std::vector<AdminCommand>& commands, const ServerAccess& server,
+         const AdminWords& words, const Write& write) {
+  for (const AdminCommand& command : commands)
+    if (command.command->parsed()) command.run(server, words, write);
 }
 
 int fail(const std::string& why, int status) {
@@ -312,12 +358,14 @@ int admin_command(int argc, char** argv) {
   app.footer(kExamples);
   app.require_subcommand(1);
   AdminWords words;
-  const std::vector<AdminCommand> commands = add_commands(app, words, argc, argv);
+  const CommandLine line(argv, static_cast<std::size_t>(argc));
+  const std::vector<AdminCommand> commands = add_commands(app, words, line);
+  const auto print = [](std::string_view text) {
+    std::fwrite(text.data(), 1, text.size(), stdout);
+  };
   try {
     app.parse(argc, argv);
-    const ServerAccess server{parse_endpoint(words.connect), credentials(words.credentials)};
-    for (const AdminCommand& command : commands)
-      if (command.command->parsed()) command.run(server, words);
+    run(commands, {parse_endpoint(words.connect), credentials(words.credentials)}, words, print);
     return 0;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
@@ -327,6 +375,23 @@ int admin_command(int argc, char** argv) {
   } catch (const std::exception& error) {
     return fail(error.what(), kCannotRun);
   }
+}
+
+std::string admin_answer(const ServerAccess& server, const std::vector<std::string>& words) {
+  CLI::App app("", "admin");
+  app.require_subcommand(1);
+  AdminWords read;
+  const std::vector<AdminCommand> commands = add_commands(app, read, {});
+  try {
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  } catch (const CLI::ParseError& error) {
+    throw std::invalid_argument(error.get_exit_code() == 0 ? "--help is for feltwire-client only"
+                                                           : error.what() + advice(error, app));
+  }
+  read.json = true;
+  std::string text;
+  run(commands, server, read, [&](std::string_view piece) { text += piece; });
+  return text;
 }
 
 }  // namespace feltwire

@@ -1,6 +1,7 @@
 #include "client/app/admin_requests.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -155,6 +156,58 @@ std::vector<SeenCounters> counters_of(const ServerAccess& server) {
     seen.push_back({scene, std::move(told)});
   }
   return seen;
+}
+
+std::string scene_table(const Endpoint& server, const std::vector<control::SceneEntry>& scenes) {
+  std::array<char, 512> line{};
+  const auto row = [&](const char* name, const std::string& port, const std::string& objects,
+                       const std::string& clients) {
+    std::snprintf(line.data(), line.size(), "%8s %8s %8s\n", port.c_str(), objects.c_str(),
+                  clients.c_str());
+    std::string text(name);
+    constexpr std::size_t kNameWidth = 24;
+    text.resize(std::max(kNameWidth, text.size()), ' ');
+    return text + " " + line.data();
+  };
+  std::string text = row("scene", "port", "objects", "clients");
+  for (const control::SceneEntry& scene : scenes)
+    text +=
+        row(visible(scene.name).c_str(), std::to_string(unsigned{server.port} + scene.port_offset),
+            std::to_string(scene.objects), std::to_string(scene.sessions));
+  return text;
+}
+
+std::string scene_json(const Endpoint& server, const std::vector<control::SceneEntry>& scenes) {
+  Json all = Json::array();
+  for (const control::SceneEntry& scene : scenes)
+    all.push_back({{"scene", visible(scene.name)},
+                   {"port", unsigned{server.port} + scene.port_offset},
+                   {"objects", scene.objects},
+                   {"clients", scene.sessions}});
+  return all.dump(2) + "\n";
+}
+
+std::string text_of(const SeenSession& seen) {
+  return "session " + std::to_string(seen.session.number) + " of scene " + visible(seen.scene);
+}
+
+AnswerFields fields_of(const SeenSession& seen) {
+  return {{"scene", visible(seen.scene)},
+          {"number", seen.session.number},
+          {"session", std::to_string(seen.session.session)}};
+}
+
+std::string answer_json(const AnswerFields& fields) {
+  Json all = Json::object();
+  for (const auto& [name, value] : fields)
+    std::visit([&, &key = name](const auto& known) { all[key] = known; }, value);
+  return all.dump();
+}
+
+std::string json_list(const std::vector<std::string>& values) {
+  std::string text;
+  for (const std::string& value : values) text += (text.empty() ? "" : ",\n") + value;
+  return "[" + text + "]\n";
 }
 
 std::string session_table(const SeenSessions& sessions) {

@@ -1,10 +1,13 @@
 #pragma once
 // The requests of `feltwire-client admin` to a server, and the texts of their answers.
 
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "client/run/run_client.hpp"
@@ -41,6 +44,9 @@ struct SeenCounters {
 };
 std::vector<SeenCounters> counters_of(const ServerAccess& server);
 
+/// A line for each scene under a heading.
+std::string scene_table(const Endpoint& server, const std::vector<control::SceneEntry>& scenes);
+std::string scene_json(const Endpoint& server, const std::vector<control::SceneEntry>& scenes);
 /// A line for each session under a heading; "-": not known.
 std::string session_table(const SeenSessions& sessions);
 /// JSON with a line break at the end, in pieces: its whole text would take as much memory as the
@@ -49,6 +55,17 @@ void write_session_json(const SeenSessions& sessions,
                         const std::function<void(std::string_view piece)>& write);
 std::string counter_lines(const std::vector<SeenCounters>& counters);
 std::string counter_json(const std::vector<SeenCounters>& counters);
+
+/// The values of an answer, each with its name.
+using AnswerFields = std::vector<std::pair<std::string, std::variant<std::string, std::uint32_t>>>;
+/// The scene, the number and the id of a session.
+AnswerFields fields_of(const SeenSession& seen);
+/// "session 3 of scene room"
+std::string text_of(const SeenSession& seen);
+/// The values as a JSON object, without a line break at its end.
+std::string answer_json(const AnswerFields& fields);
+/// JSON texts as an array, with a line break at its end.
+std::string json_list(const std::vector<std::string>& values);
 
 /// Sends a request, and returns its answer of type `Answer`. Throws SessionError if it is another.
 template <class Answer>

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "client/app/admin_command.hpp"
+#include "client/app/admin_requests.hpp"
 #include "client/app/client_options.hpp"
 #include "client/app/devices_command.hpp"
 #include "client/app/identify_command.hpp"
@@ -29,10 +30,7 @@ std::unique_ptr<Device> open_device(ClientOptions& options) {
 }
 
 int list(const ServerAccess& server) {
-  std::printf("%-24s %8s %8s %8s\n", "scene", "port", "objects", "clients");
-  for (const control::SceneEntry& scene : list_scenes(server, kControlTimeout))
-    std::printf("%-24s %8u %8u %8u\n", visible(scene.name).c_str(),
-                unsigned{server.endpoint.port} + scene.port_offset, scene.objects, scene.sessions);
+  std::printf("%s", scene_table(server.endpoint, list_scenes(server, kControlTimeout)).c_str());
   return 0;
 }
 

@@ -80,6 +80,13 @@ TEST_F(AdminProgram, ListsChangesAndEvictsAHand) {
   EXPECT_EQ(bound.status, 1);
   EXPECT_THAT(bound.error, HasSubstr("takes no other law"));
 
+  EXPECT_THAT(admin({"scenes"}).out, AllOf(StartsWith("scene  "), HasSubstr("\nfloor  ")));
+  EXPECT_EQ(nlohmann::json::parse(admin({"scenes", "--json"}).out)[0]["clients"], 1);
+  const test::Outcome softest = admin({"set", "--object", "floor", "--stiffness", "99", "--json"});
+  EXPECT_EQ(nlohmann::json::parse(softest.out),
+            nlohmann::json(
+                {{"scene", "floor"}, {"change", "object 'floor': stiffness 123.5 -> 99 [N/m]"}}));
+
   const test::Outcome counted = admin({"stats", "--json"});
   EXPECT_EQ(counted.status, 0) << counted.error;
   const nlohmann::json stats = nlohmann::json::parse(counted.out);
@@ -94,6 +101,8 @@ TEST_F(AdminProgram, ListsChangesAndEvictsAHand) {
   EXPECT_TRUE(std::filesystem::exists(recorded.out.substr(
       std::string("scene floor: flight record: ").size(),
       recorded.out.find('\n') - std::string("scene floor: flight record: ").size())));
+
+  EXPECT_EQ(nlohmann::json::parse(admin({"record", "--json"}).out)[0]["scene"], "floor");
 
   const test::Outcome evicted = admin({"evict", "1"});
   EXPECT_EQ(evicted.status, 0) << evicted.error;
