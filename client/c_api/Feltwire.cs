@@ -9,7 +9,7 @@ namespace Feltwire
     {
         public const int Ok = 0;  // It is done.
         public const int Nothing = 1;  // There is nothing yet, or nothing new.
-        public const int Ended = 2;  // The hand's run has ended. fw_last_error() says why, if an error ended it.
+        public const int Ended = 2;  // The hand's run, or the observer, has ended. fw_last_error() says why, if an error ended it.
         public const int ErrorArgument = -1;  // An argument is null, or an option is wrong. fw_last_error() names it and the remedy.
         public const int ErrorRefused = -2;  // The server refuses for good: the token, the scene, the device or a parameter.
         public const int ErrorServer = -3;  // The server is not reachable, not trusted, or full. Trying again may help.
@@ -101,6 +101,107 @@ namespace Feltwire
             [FieldOffset(156)] public uint connected;  // 1: the session is alive; 0: it is lost, and the hand looks for it
         }
 
+        /// <summary>How an observer joins a scene. A null text is not given.</summary>
+        [StructLayout(LayoutKind.Explicit, Size = 96)]
+        public struct ObserverOptions
+        {
+            [FieldOffset(0)] public uint struct_size;  // [bytes] of this struct, as the program knows it
+            [FieldOffset(4)] public uint reserved;  // 0
+            [FieldOffset(8)] public IntPtr server;  // HOST:PORT of the server's control port
+            [FieldOffset(16)] public IntPtr fingerprint;  // of the server's certificate; or:
+            [FieldOffset(24)] public IntPtr fingerprint_file;  // the file with it; or:
+            [FieldOffset(32)] public IntPtr ca_file;  // file (PEM) of the authorities to trust
+            [FieldOffset(40)] public IntPtr certificate_file;  // file (PEM) of the client's certificate, for a server that asks for one
+            [FieldOffset(48)] public IntPtr key_file;  // file (PEM) of the key of that certificate
+            [FieldOffset(56)] public IntPtr token_file;  // file with the token; null: the environment variable FELTWIRE_TOKEN has it
+            [FieldOffset(64)] public IntPtr scene;  // name of the scene to observe
+            [FieldOffset(72)] public IntPtr name;  // of this observer, for the server's log
+            [FieldOffset(80)] public double period;  // [s] between two views of the scene, 0.001 to 0.1. A view tells of 6 hands, the next one of the next 6
+            [FieldOffset(88)] public double patience;  // [s] for which a lost session is looked for; 0: not at all
+        }
+
+        /// <summary>What an observer sees.</summary>
+        [StructLayout(LayoutKind.Explicit, Size = 48)]
+        public struct SceneState
+        {
+            [FieldOffset(0)] public uint struct_size;  // [bytes] of this struct, as the program knows it
+            [FieldOffset(4)] public uint reserved;  // 0
+            [FieldOffset(8)] public ulong number;  // of the state, from 1
+            [FieldOffset(16)] public double time;  // [s] of its newest view, since the observer was opened
+            [FieldOffset(24)] public double age;  // [s] since that view came
+            [FieldOffset(32)] public uint hands;  // number of hands that are seen
+            [FieldOffset(36)] public uint bodies;  // number of bodies that move
+            [FieldOffset(40)] public uint connected;  // 1: the session is alive; 0: it is lost and looked for, and nothing is seen
+            [FieldOffset(44)] public uint left_out;  // times that a hand or body had no room: an observer keeps 1024 hands and 4096 bodies
+        }
+
+        /// <summary>A hand in the scene, as its server tells. World frame.</summary>
+        [StructLayout(LayoutKind.Explicit, Size = 216)]
+        public struct SeenHand
+        {
+            [FieldOffset(0)] public uint struct_size;  // [bytes] of this struct, as the program knows it
+            [FieldOffset(4)] public uint reserved;  // 0
+            [FieldOffset(8)] public uint number;  // of its session in the scene, from 1; never used again
+            [FieldOffset(12)] public uint states;  // a bit each, from bit 0: no sample has come yet, it is silent, touches nothing, touches, samples were lost, the server's bound reduced the command, it was too large for the device, the movement was refused, the scene recovers, the device holds less than was commanded, it moves a robot
+            [FieldOffset(16)] public double time;  // [s] of the view that told of it, since the observer was opened
+            [FieldOffset(24)] public double position_0;  // [m] of the tool
+            [FieldOffset(32)] public double position_1;  // [m] of the tool
+            [FieldOffset(40)] public double position_2;  // [m] of the tool
+            [FieldOffset(48)] public double orientation_0;  // unit quaternion w, x, y, z
+            [FieldOffset(56)] public double orientation_1;  // unit quaternion w, x, y, z
+            [FieldOffset(64)] public double orientation_2;  // unit quaternion w, x, y, z
+            [FieldOffset(72)] public double orientation_3;  // unit quaternion w, x, y, z
+            [FieldOffset(80)] public double force_0;  // [N] on the hand, that its device holds as its client reports
+            [FieldOffset(88)] public double force_1;  // [N] on the hand, that its device holds as its client reports
+            [FieldOffset(96)] public double force_2;  // [N] on the hand, that its device holds as its client reports
+            [FieldOffset(104)] public double commanded_0;  // [N] on the hand, that the scene commands
+            [FieldOffset(112)] public double commanded_1;  // [N] on the hand, that the scene commands
+            [FieldOffset(120)] public double commanded_2;  // [N] on the hand, that the scene commands
+            [FieldOffset(128)] public double proxy_0;  // [m] place of the tool if it could enter no surface
+            [FieldOffset(136)] public double proxy_1;  // [m] place of the tool if it could enter no surface
+            [FieldOffset(144)] public double proxy_2;  // [m] place of the tool if it could enter no surface
+            [FieldOffset(152)] public double depth;  // [m] of the tool in the object in which it is deepest
+            [FieldOffset(160)] public double delivered;  // [J] to the hand so far
+            [FieldOffset(168)] public double burned;  // [J] lower bound of the energy that the device has burned so far
+            [FieldOffset(176)] public double balance;  // [J] of the client's energy account; not a number: it told none
+            [FieldOffset(184)] public double round_trip;  // [s] of the client's newest answer; not a number: it told none
+            [FieldOffset(192)] public ulong samples;  // that the server has taken so far
+            [FieldOffset(200)] public ulong missed;  // samples that were lost on the way so far
+            [FieldOffset(208)] public uint tool;  // its index among the tools of the scene
+        }
+
+        /// <summary>A body that moves. World frame.</summary>
+        [StructLayout(LayoutKind.Explicit, Size = 80)]
+        public struct SeenBody
+        {
+            [FieldOffset(0)] public uint struct_size;  // [bytes] of this struct, as the program knows it
+            [FieldOffset(4)] public uint reserved;  // 0
+            [FieldOffset(8)] public uint object;  // its index in the scene
+            [FieldOffset(16)] public double time;  // [s] of the view that told of it, since the observer was opened
+            [FieldOffset(24)] public double position_0;  // [m]
+            [FieldOffset(32)] public double position_1;  // [m]
+            [FieldOffset(40)] public double position_2;  // [m]
+            [FieldOffset(48)] public double orientation_0;  // unit quaternion w, x, y, z
+            [FieldOffset(56)] public double orientation_1;  // unit quaternion w, x, y, z
+            [FieldOffset(64)] public double orientation_2;  // unit quaternion w, x, y, z
+            [FieldOffset(72)] public double orientation_3;  // unit quaternion w, x, y, z
+        }
+
+        /// <summary>Which server an admin changes. A null text is not given.</summary>
+        [StructLayout(LayoutKind.Explicit, Size = 64)]
+        public struct AdminOptions
+        {
+            [FieldOffset(0)] public uint struct_size;  // [bytes] of this struct, as the program knows it
+            [FieldOffset(4)] public uint reserved;  // 0
+            [FieldOffset(8)] public IntPtr server;  // HOST:PORT of the server's control port
+            [FieldOffset(16)] public IntPtr fingerprint;  // of the server's certificate; or:
+            [FieldOffset(24)] public IntPtr fingerprint_file;  // the file with it; or:
+            [FieldOffset(32)] public IntPtr ca_file;  // file (PEM) of the authorities to trust
+            [FieldOffset(40)] public IntPtr certificate_file;  // file (PEM) of the client's certificate, for a server that asks for one
+            [FieldOffset(48)] public IntPtr key_file;  // file (PEM) of the key of that certificate
+            [FieldOffset(56)] public IntPtr token_file;  // file with the token; null: the environment variable FELTWIRE_TOKEN has it
+        }
+
         /// <summary>The version of the library: major * 65536 + minor * 256 + patch. Threads: any thread.</summary>
         [DllImport("feltwire")]
         public static extern uint fw_version();
@@ -160,5 +261,57 @@ namespace Feltwire
         /// <summary>Ends the run, waits for it, and frees the hand, which no other call may use meanwhile. FW_OK, or FW_ENDED with a text if an error had ended the run. Null is allowed. Threads: one thread at a time.</summary>
         [DllImport("feltwire")]
         public static extern int fw_hand_close(IntPtr hand);
+
+        /// <summary>Fills in the usual options. Call it first, with sizeof. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern void fw_observer_options_default(ref ObserverOptions options, uint struct_size);
+
+        /// <summary>Joins a scene as an observer: it has no hand, and sees all hands and moving bodies. Blocks until the server has answered. A thread of the library takes the views. The observer must be closed. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_observer_open(ref ObserverOptions options, out IntPtr observer);
+
+        /// <summary>The newest state. FW_NOTHING: no view has come yet. Threads: any thread, never waits.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_observer_latest(IntPtr observer, ref SceneState state, uint struct_size);
+
+        /// <summary>The hands of the newest state, by rising number, at most `most`. FW_NOTHING: no view has come yet. Threads: any thread, never waits.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_observer_hands(IntPtr observer, ref SeenHand hands, uint struct_size, uint most, out uint count);
+
+        /// <summary>The moving bodies of the newest state, by rising object, at most `most`. FW_NOTHING: no view has come yet. Threads: any thread, never waits.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_observer_bodies(IntPtr observer, ref SeenBody bodies, uint struct_size, uint most, out uint count);
+
+        /// <summary>The name that the client of a hand gives itself. The library asks the server for it when a hand has come. It is cut at `size`, with the zero byte. FW_NOTHING: it is not known yet, or there is no such hand. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_observer_hand_name(IntPtr observer, uint number, byte[] text, uint size);
+
+        /// <summary>Takes the oldest message for people that was not taken yet: the session was lost, or is there again. It is cut at `size`, with the zero byte. FW_NOTHING: there is none. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_observer_message(IntPtr observer, byte[] text, uint size);
+
+        /// <summary>Waits for a state with a greater number, at most `timeout` [s]. FW_OK: it is there; FW_NOTHING: not yet; FW_ENDED: there will be none, and fw_last_error() says why. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_observer_wait(IntPtr observer, ulong number, double timeout);
+
+        /// <summary>Leaves the scene and frees the observer, which no other call may use meanwhile. FW_OK, or FW_ENDED with a text if an error had ended it. Null is allowed. Threads: one thread at a time.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_observer_close(IntPtr observer);
+
+        /// <summary>Fills in the usual options. Call it first, with sizeof. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern void fw_admin_options_default(ref AdminOptions options, uint struct_size);
+
+        /// <summary>Reads the credentials, and asks the server for its scenes, so that an address or a token that is wrong is known at once. Blocks. No connection stays open. The admin must be closed. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_admin_open(ref AdminOptions options, out IntPtr admin);
+
+        /// <summary>Runs a command with the words of `feltwire-client admin` (docs/admin.md): "sessions", or "evict", "3". Blocks until it is done. Sets `answer` to its answer as JSON, which is valid until the next call with this admin; null where the command failed. Threads: one thread at a time.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_admin_request(IntPtr admin, IntPtr words, uint count, out IntPtr answer);
+
+        /// <summary>Frees the admin, which no other call may use meanwhile. Null is allowed. Threads: one thread at a time.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_admin_close(IntPtr admin);
     }
 }

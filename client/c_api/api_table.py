@@ -2,19 +2,37 @@
 
 A struct grows at its end only, and nothing in it is ever removed or changes its meaning: a program of last year and one of next year
 both run with this library. Types: u32, u64, f64, text (a pointer to UTF-8 that ends in a zero byte), texts (a pointer to such pointers),
-f64[N].
+f64[N]. An argument may be text* too: the function sets the program's pointer to a text of the library.
 """
+
+# (name, documentation) of what a program holds and cannot look into.
+HANDLES = [
+    ("hand", "A hand in a scene."),
+    ("observer", "An observer of a scene."),
+    ("admin", "An admin of a server."),
+]
 
 RESULTS = [
     ("OK", 0, "It is done."),
     ("NOTHING", 1, "There is nothing yet, or nothing new."),
-    ("ENDED", 2, "The hand's run has ended. fw_last_error() says why, if an error ended it."),
+    ("ENDED", 2, "The hand's run, or the observer, has ended. fw_last_error() says why, if an error ended it."),
     ("ERROR_ARGUMENT", -1, "An argument is null, or an option is wrong. fw_last_error() names it and the remedy."),
     ("ERROR_REFUSED", -2, "The server refuses for good: the token, the scene, the device or a parameter."),
     ("ERROR_SERVER", -3, "The server is not reachable, not trusted, or full. Trying again may help."),
     ("ERROR_DEVICE", -4, "The device or a file cannot be opened."),
     ("ERROR_MEMORY", -5, "There is no memory for it."),
     ("ERROR_INTERNAL", -6, "Anything else. fw_last_error() has the text."),
+]
+
+# Fields of the options of all that joins a server.
+ACCESS = [
+    ("text", "server", "HOST:PORT of the server's control port"),
+    ("text", "fingerprint", "of the server's certificate; or:"),
+    ("text", "fingerprint_file", "the file with it; or:"),
+    ("text", "ca_file", "file (PEM) of the authorities to trust"),
+    ("text", "certificate_file", "file (PEM) of the client's certificate, for a server that asks for one"),
+    ("text", "key_file", "file (PEM) of the key of that certificate"),
+    ("text", "token_file", "file with the token; null: the environment variable FELTWIRE_TOKEN has it"),
 ]
 
 # (name, documentation, [(type, field, documentation)])
@@ -62,6 +80,49 @@ STRUCTS = [
         ("u32", "zero_force_reason", "why the force is zero: fw_zero_force_text(); 0: it is not zero, or nothing is touched"),
         ("u32", "connected", "1: the session is alive; 0: it is lost, and the hand looks for it"),
     ]),
+    ("observer_options", "How an observer joins a scene. A null text is not given.", [
+        *ACCESS,
+        ("text", "scene", "name of the scene to observe"),
+        ("text", "name", "of this observer, for the server's log"),
+        ("f64", "period", "[s] between two views of the scene, 0.001 to 0.1. A view tells of 6 hands, the next one of the next 6"),
+        ("f64", "patience", "[s] for which a lost session is looked for; 0: not at all"),
+    ]),
+    ("scene_state", "What an observer sees.", [
+        ("u64", "number", "of the state, from 1"),
+        ("f64", "time", "[s] of its newest view, since the observer was opened"),
+        ("f64", "age", "[s] since that view came"),
+        ("u32", "hands", "number of hands that are seen"),
+        ("u32", "bodies", "number of bodies that move"),
+        ("u32", "connected", "1: the session is alive; 0: it is lost and looked for, and nothing is seen"),
+        ("u32", "left_out", "times that a hand or body had no room: an observer keeps 1024 hands and 4096 bodies"),
+    ]),
+    ("seen_hand", "A hand in the scene, as its server tells. World frame.", [
+        ("u32", "number", "of its session in the scene, from 1; never used again"),
+        ("u32", "states", "a bit each, from bit 0: no sample has come yet, it is silent, touches nothing, touches, samples were lost, the "
+         "server's bound reduced the command, it was too large for the device, the movement was refused, the scene recovers, the device "
+         "holds less than was commanded, it moves a robot"),
+        ("f64", "time", "[s] of the view that told of it, since the observer was opened"),
+        ("f64[3]", "position", "[m] of the tool"),
+        ("f64[4]", "orientation", "unit quaternion w, x, y, z"),
+        ("f64[3]", "force", "[N] on the hand, that its device holds as its client reports"),
+        ("f64[3]", "commanded", "[N] on the hand, that the scene commands"),
+        ("f64[3]", "proxy", "[m] place of the tool if it could enter no surface"),
+        ("f64", "depth", "[m] of the tool in the object in which it is deepest"),
+        ("f64", "delivered", "[J] to the hand so far"),
+        ("f64", "burned", "[J] lower bound of the energy that the device has burned so far"),
+        ("f64", "balance", "[J] of the client's energy account; not a number: it told none"),
+        ("f64", "round_trip", "[s] of the client's newest answer; not a number: it told none"),
+        ("u64", "samples", "that the server has taken so far"),
+        ("u64", "missed", "samples that were lost on the way so far"),
+        ("u32", "tool", "its index among the tools of the scene"),
+    ]),
+    ("seen_body", "A body that moves. World frame.", [
+        ("u32", "object", "its index in the scene"),
+        ("f64", "time", "[s] of the view that told of it, since the observer was opened"),
+        ("f64[3]", "position", "[m]"),
+        ("f64[4]", "orientation", "unit quaternion w, x, y, z"),
+    ]),
+    ("admin_options", "Which server an admin changes. A null text is not given.", [*ACCESS]),
 ]
 
 # (result, name, [(type, name)], thread word, documentation)
@@ -97,4 +158,37 @@ FUNCTIONS = [
     ("i32", "hand_stop", [("hand*", "hand")], ANY, "Lets the force fade and ends the run. Does not wait."),
     ("i32", "hand_close", [("hand*", "hand")], ONE,
      "Ends the run, waits for it, and frees the hand, which no other call may use meanwhile. FW_OK, or FW_ENDED with a text if an error had ended the run. Null is allowed."),
+    ("void", "observer_options_default", [("observer_options*", "options"), ("u32", "struct_size")], ANY,
+     "Fills in the usual options. Call it first, with sizeof."),
+    ("i32", "observer_open", [("const observer_options*", "options"), ("observer**", "observer")], ANY,
+     "Joins a scene as an observer: it has no hand, and sees all hands and moving bodies. Blocks until the server has answered. A thread of "
+     "the library takes the views. The observer must be closed."),
+    ("i32", "observer_latest", [("const observer*", "observer"), ("scene_state*", "state"), ("u32", "struct_size")], FREE,
+     "The newest state. FW_NOTHING: no view has come yet."),
+    ("i32", "observer_hands", [("const observer*", "observer"), ("seen_hand*", "hands"), ("u32", "struct_size"), ("u32", "most"), ("u32*", "count")],
+     FREE, "The hands of the newest state, by rising number, at most `most`. FW_NOTHING: no view has come yet."),
+    ("i32", "observer_bodies", [("const observer*", "observer"), ("seen_body*", "bodies"), ("u32", "struct_size"), ("u32", "most"),
+                                ("u32*", "count")],
+     FREE, "The moving bodies of the newest state, by rising object, at most `most`. FW_NOTHING: no view has come yet."),
+    ("i32", "observer_hand_name", [("observer*", "observer"), ("u32", "number"), ("char*", "text"), ("u32", "size")], ANY,
+     "The name that the client of a hand gives itself. The library asks the server for it when a hand has come. It is cut at `size`, with the "
+     "zero byte. FW_NOTHING: it is not known yet, or there is no such hand."),
+    ("i32", "observer_message", [("observer*", "observer"), ("char*", "text"), ("u32", "size")], ANY,
+     "Takes the oldest message for people that was not taken yet: the session was lost, or is there again. It is cut at `size`, with the zero "
+     "byte. FW_NOTHING: there is none."),
+    ("i32", "observer_wait", [("observer*", "observer"), ("u64", "number"), ("f64", "timeout")], ANY,
+     "Waits for a state with a greater number, at most `timeout` [s]. FW_OK: it is there; FW_NOTHING: not yet; FW_ENDED: there will be none, "
+     "and fw_last_error() says why."),
+    ("i32", "observer_close", [("observer*", "observer")], ONE,
+     "Leaves the scene and frees the observer, which no other call may use meanwhile. FW_OK, or FW_ENDED with a text if an error had ended it. "
+     "Null is allowed."),
+    ("void", "admin_options_default", [("admin_options*", "options"), ("u32", "struct_size")], ANY,
+     "Fills in the usual options. Call it first, with sizeof."),
+    ("i32", "admin_open", [("const admin_options*", "options"), ("admin**", "admin")], ANY,
+     "Reads the credentials, and asks the server for its scenes, so that an address or a token that is wrong is known at once. Blocks. No "
+     "connection stays open. The admin must be closed."),
+    ("i32", "admin_request", [("admin*", "admin"), ("texts", "words"), ("u32", "count"), ("text*", "answer")], ONE,
+     "Runs a command with the words of `feltwire-client admin` (docs/admin.md): \"sessions\", or \"evict\", \"3\". Blocks until it is done. "
+     "Sets `answer` to its answer as JSON, which is valid until the next call with this admin; null where the command failed."),
+    ("i32", "admin_close", [("admin*", "admin")], ONE, "Frees the admin, which no other call may use meanwhile. Null is allowed."),
 ]

@@ -1,105 +1,28 @@
-// The functions of feltwire.h.
-
-#include <unistd.h>
+// The functions of feltwire.h for a hand, and those of no handle.
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstring>
 #include <memory>
-#include <new>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "client/app/open_client.hpp"
+#include "client/c_api/c_call.hpp"
 #include "client/c_api/feltwire.h"
 #include "client/c_api/open_hand.hpp"
 #include "client/servo/device_input.hpp"
 #include "core/device/device_file.hpp"
 
 /// The handle of a program.
-struct fw_hand {
-  std::unique_ptr<feltwire::OpenHand> hand;
-  pid_t process = ::getpid();
-};
+struct fw_hand : feltwire::Owned<feltwire::OpenHand> {};
 
 namespace feltwire {
 namespace {
 
 constexpr std::uint32_t kMajor = 0, kMinor = 1, kPatch = 0;  // of CMakeLists.txt: a test compares
-constexpr std::size_t kErrorRoom = 1024;
-/// Numbers only: a thread that ends has nothing to destroy.
-thread_local std::array<char, kErrorRoom> last_error{};
-
-std::int32_t fail(std::int32_t result, const char* text) noexcept {
-  std::strncpy(last_error.data(), text, last_error.size() - 1);
-  last_error.back() = '\0';
-  // The text is a single line, without signs that would change a terminal.
-  for (char& sign : last_error)
-    if (sign != '\0' && static_cast<unsigned char>(sign) < ' ') sign = ' ';
-  return result;
-}
-
-/// Runs a function, and turns what it throws into a result.
-template <class Work>
-std::int32_t guarded(Work work) noexcept {
-  try {
-    return work();
-  } catch (const LastingError& error) {
-    return fail(FW_ERROR_REFUSED, error.what());
-  } catch (const SessionError& error) {
-    return fail(FW_ERROR_SERVER, error.what());
-  } catch (const std::invalid_argument& error) {
-    return fail(FW_ERROR_ARGUMENT, error.what());
-  } catch (const std::bad_alloc&) {
-    return fail(FW_ERROR_MEMORY, "there is no memory for it");
-  } catch (const std::runtime_error& error) {
-    return fail(FW_ERROR_DEVICE, error.what());
-  } catch (const std::exception& error) {
-    return fail(FW_ERROR_INTERNAL, error.what());
-  } catch (...) {
-    return fail(FW_ERROR_INTERNAL, "an error without a text");
-  }
-}
-
-/// Returns whether a struct can have this size: struct_size and `reserved` at least, and whole
-/// fields.
-bool is_size(std::uint32_t size) noexcept {
-  constexpr std::uint32_t kLeast = 8, kMost = 4096, kStep = 8;
-  return size >= kLeast && size <= kMost && size % kStep == 0;
-}
-
-/// Reads a struct of a program that was compiled with an older or a newer header. What the program
-/// does not know keeps its usual value. Throws std::invalid_argument if it has no size, or sets a
-/// field that this library does not know.
-template <class Struct>
-Struct read_struct(const Struct* given, const Struct& usual, const char* name) {
-  if (given == nullptr) throw std::invalid_argument(std::string(name) + " is null");
-  if (!is_size(given->struct_size))
-    throw std::invalid_argument(std::string(name) + ".struct_size is " +
-                                std::to_string(given->struct_size) + "; call fw_" + name +
-                                "_default() first");
-  Struct read = usual;
-  const auto* bytes = reinterpret_cast<const unsigned char*>(given);
-  const std::size_t known = std::min<std::size_t>(sizeof read, given->struct_size);
-  std::memcpy(&read, bytes, known);
-  if (std::any_of(bytes + known, bytes + given->struct_size,
-                  [](unsigned char byte) { return byte != 0; }))
-    throw std::invalid_argument(std::string(name) +
-                                " has a field that this version of the library does not know");
-  read.struct_size = sizeof read;
-  return read;
-}
-
-/// Writes as much of a struct as the program knows; the rest of its own becomes zero.
-template <class Struct>
-void write_struct(Struct value, void* to, std::uint32_t size) noexcept {
-  value.struct_size = size;
-  std::memset(to, 0, size);
-  std::memcpy(to, &value, std::min<std::size_t>(sizeof value, size));
-}
-
 fw_hand_options usual_options() noexcept {
   fw_hand_options options{};
   options.struct_size = sizeof options;
@@ -191,7 +114,7 @@ std::unique_ptr<OpenHand> open_hand(const fw_hand_options& given) {
   options.open_port = port_opener(options);
   auto device = hand_device(std::move(opened), options);
   auto hand = std::make_unique<OpenHand>(std::move(options), std::move(device), caller);
-  for (const std::string& note : notes) hand->keep_message("note: " + note);
+  for (const std::string& note : notes) hand->messages().keep("note: " + note);
   return hand;
 }
 
@@ -225,10 +148,6 @@ CallerDevice::Move to_move(const fw_pose& pose) {
       .pose = {position, turn.normalized()}, .buttons = pose.buttons, .deadman = pose.deadman != 0};
 }
 
-/// A child process has the handles of its parent, but none of its threads.
-bool is_open(const fw_hand* hand) noexcept {
-  return hand != nullptr && hand->hand != nullptr && hand->process == ::getpid();
-}
 std::int32_t no_hand() noexcept {
   return fail(FW_ERROR_ARGUMENT, "the hand is null, or another process opened it");
 }
@@ -240,7 +159,7 @@ using namespace feltwire;
 
 std::uint32_t fw_version() { return kMajor << 16 | kMinor << 8 | kPatch; }
 
-const char* fw_last_error() { return last_error.data(); }
+const char* fw_last_error() { return last_error(); }
 
 const char* fw_result_text(std::int32_t result) {
   switch (result) {
@@ -249,7 +168,7 @@ const char* fw_result_text(std::int32_t result) {
     case FW_NOTHING:
       return "there is nothing yet, or nothing new";
     case FW_ENDED:
-      return "the hand's run has ended";
+      return "the hand's run, or the observer, has ended";
     case FW_ERROR_ARGUMENT:
       return "an argument is null, or an option is wrong";
     case FW_ERROR_REFUSED:
@@ -286,7 +205,7 @@ std::int32_t fw_hand_open(const fw_hand_options* options, fw_hand** hand) {
     *hand = nullptr;
     const fw_hand_options given = read_struct(options, usual_options(), "hand_options");
     auto opened = std::make_unique<fw_hand>();
-    opened->hand = open_hand(given);
+    opened->object = open_hand(given);
     *hand = opened.release();
     return FW_OK;
   });
@@ -296,7 +215,7 @@ std::int32_t fw_hand_session(const fw_hand* hand, fw_session* session, std::uint
   if (!is_open(hand)) return no_hand();
   if (session == nullptr || !is_size(struct_size))
     return fail(FW_ERROR_ARGUMENT, "session is null, or struct_size is not its size");
-  const control::JoinAccepted& accepted = hand->hand->accepted();
+  const control::JoinAccepted& accepted = hand->object->accepted();
   fw_session out{};
   out.number = accepted.session;
   out.servo_period = accepted.parameters.servo_period;
@@ -316,13 +235,13 @@ std::int32_t fw_hand_exchange(fw_hand* hand, const fw_pose* pose, fw_tick* tick,
   if (tick == nullptr || !is_size(struct_size))
     return fail(FW_ERROR_ARGUMENT, "tick is null, or struct_size is not its size");
   return guarded([&] {
-    if (hand->hand->caller() == nullptr)
+    if (hand->object->caller() == nullptr)
       throw std::invalid_argument("the hand's device is not \"caller\": it moves itself");
     const CallerDevice::Move move = to_move(read_struct(pose, usual_pose(), "pose"));
     TickCopy newest;
-    const bool ticked = hand->hand->exchange(move, newest);
+    const bool ticked = hand->object->exchange(move, newest);
     write_struct(to_c(newest), tick, struct_size);
-    if (hand->hand->over()) return FW_ENDED;
+    if (hand->object->over()) return FW_ENDED;
     return ticked ? FW_OK : FW_NOTHING;
   });
 }
@@ -332,7 +251,7 @@ std::int32_t fw_hand_latest(const fw_hand* hand, fw_tick* tick, std::uint32_t st
   if (tick == nullptr || !is_size(struct_size))
     return fail(FW_ERROR_ARGUMENT, "tick is null, or struct_size is not its size");
   TickCopy newest;
-  if (!hand->hand->latest(newest)) return FW_NOTHING;
+  if (!hand->object->latest(newest)) return FW_NOTHING;
   write_struct(to_c(newest), tick, struct_size);
   return FW_OK;
 }
@@ -344,7 +263,7 @@ std::int32_t fw_hand_ticks(fw_hand* hand, fw_tick* ticks, std::uint32_t struct_s
     return fail(FW_ERROR_ARGUMENT, "ticks or count is null, or struct_size is not the tick's size");
   auto* to = reinterpret_cast<unsigned char*>(ticks);
   TickCopy tick;
-  for (*count = 0; *count < most && hand->hand->next(tick); ++*count)
+  for (*count = 0; *count < most && hand->object->next(tick); ++*count)
     write_struct(to_c(tick), to + std::size_t{*count} * struct_size, struct_size);
   return *count > 0 ? FW_OK : FW_NOTHING;
 }
@@ -353,11 +272,8 @@ std::int32_t fw_hand_message(fw_hand* hand, char* text, std::uint32_t size) {
   if (!is_open(hand)) return no_hand();
   if (text == nullptr || size == 0) return fail(FW_ERROR_ARGUMENT, "text is null, or size is 0");
   return guarded([&] {
-    const auto message = hand->hand->next_message();
-    const std::string shown = message.value_or(std::string());
-    const std::size_t length = std::min<std::size_t>(shown.size(), size - 1);
-    std::memcpy(text, shown.data(), length);
-    text[length] = '\0';
+    const auto message = hand->object->messages().next();
+    write_text(message.value_or(std::string()), text, size);
     return message ? FW_OK : FW_NOTHING;
   });
 }
@@ -365,23 +281,23 @@ std::int32_t fw_hand_message(fw_hand* hand, char* text, std::uint32_t size) {
 std::int32_t fw_hand_wait(fw_hand* hand, double timeout) {
   if (!is_open(hand)) return no_hand();
   if (!(timeout >= 0.0)) return fail(FW_ERROR_ARGUMENT, "timeout must be 0 or more [s]");
-  return hand->hand->wait(timeout) ? FW_ENDED : FW_NOTHING;
+  return hand->object->wait(timeout) ? FW_ENDED : FW_NOTHING;
 }
 
 std::int32_t fw_hand_stop(fw_hand* hand) {
   if (!is_open(hand)) return no_hand();
-  hand->hand->stop();
+  hand->object->stop();
   return FW_OK;
 }
 
 std::int32_t fw_hand_close(fw_hand* hand) {
   if (hand == nullptr) return FW_OK;
   if (!is_open(hand)) return no_hand();
-  const std::string error = hand->hand->end();
-  const bool stuck = hand->hand->is_stuck();
+  const std::string error = hand->object->end();
+  const bool stuck = hand->object->is_stuck();
   if (stuck)
     // A thread still uses the run, so that it may not be freed.
-    static_cast<void>(hand->hand.release());
+    static_cast<void>(hand->object.release());
   delete hand;
   if (!error.empty()) return fail(FW_ENDED, error.c_str());
   return stuck ? fail(FW_ERROR_DEVICE, "a call of the device does not return") : FW_OK;

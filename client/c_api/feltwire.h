@@ -3,7 +3,7 @@
  * Written by make_bindings.py from api_table.py. Change the table.
  * docs/c_api.md has a tutorial. Units are SI. Every struct begins with its size: call its fw_..._default() with sizeof, or set
  * struct_size. A function returns a result: below 0 an error, and fw_last_error() has its text. No C++ exception leaves it.
- * Threads: each function says which thread may call it. "One thread at a time": for each hand. */
+ * Threads: each function says which thread may call it. "One thread at a time": for each hand, observer or admin. */
 #ifndef FELTWIRE_H
 #define FELTWIRE_H
 
@@ -23,7 +23,7 @@ extern "C" {
 enum {
   FW_OK = 0, /* It is done. */
   FW_NOTHING = 1, /* There is nothing yet, or nothing new. */
-  FW_ENDED = 2, /* The hand's run has ended. fw_last_error() says why, if an error ended it. */
+  FW_ENDED = 2, /* The hand's run, or the observer, has ended. fw_last_error() says why, if an error ended it. */
   FW_ERROR_ARGUMENT = -1, /* An argument is null, or an option is wrong. fw_last_error() names it and the remedy. */
   FW_ERROR_REFUSED = -2, /* The server refuses for good: the token, the scene, the device or a parameter. */
   FW_ERROR_SERVER = -3, /* The server is not reachable, not trusted, or full. Trying again may help. */
@@ -32,7 +32,9 @@ enum {
   FW_ERROR_INTERNAL = -6  /* Anything else. fw_last_error() has the text. */
 };
 
-typedef struct fw_hand fw_hand;
+typedef struct fw_hand fw_hand; /* A hand in a scene. */
+typedef struct fw_observer fw_observer; /* An observer of a scene. */
+typedef struct fw_admin fw_admin; /* An admin of a server. */
 
 /* How a hand joins a scene. A null text is not given. */
 typedef struct fw_hand_options {
@@ -93,6 +95,84 @@ typedef struct fw_tick {
   uint32_t zero_force_reason; /* why the force is zero: fw_zero_force_text(); 0: it is not zero, or nothing is touched */
   uint32_t connected; /* 1: the session is alive; 0: it is lost, and the hand looks for it */
 } fw_tick;
+
+/* How an observer joins a scene. A null text is not given. */
+typedef struct fw_observer_options {
+  uint32_t struct_size; /* [bytes] of this struct, as the program knows it */
+  uint32_t reserved; /* 0 */
+  const char* server; /* HOST:PORT of the server's control port */
+  const char* fingerprint; /* of the server's certificate; or: */
+  const char* fingerprint_file; /* the file with it; or: */
+  const char* ca_file; /* file (PEM) of the authorities to trust */
+  const char* certificate_file; /* file (PEM) of the client's certificate, for a server that asks for one */
+  const char* key_file; /* file (PEM) of the key of that certificate */
+  const char* token_file; /* file with the token; null: the environment variable FELTWIRE_TOKEN has it */
+  const char* scene; /* name of the scene to observe */
+  const char* name; /* of this observer, for the server's log */
+  double period; /* [s] between two views of the scene, 0.001 to 0.1. A view tells of 6 hands, the next one of the next
+     6 */
+  double patience; /* [s] for which a lost session is looked for; 0: not at all */
+} fw_observer_options;
+
+/* What an observer sees. */
+typedef struct fw_scene_state {
+  uint32_t struct_size; /* [bytes] of this struct, as the program knows it */
+  uint32_t reserved; /* 0 */
+  uint64_t number; /* of the state, from 1 */
+  double time; /* [s] of its newest view, since the observer was opened */
+  double age; /* [s] since that view came */
+  uint32_t hands; /* number of hands that are seen */
+  uint32_t bodies; /* number of bodies that move */
+  uint32_t connected; /* 1: the session is alive; 0: it is lost and looked for, and nothing is seen */
+  uint32_t left_out; /* times that a hand or body had no room: an observer keeps 1024 hands and 4096 bodies */
+} fw_scene_state;
+
+/* A hand in the scene, as its server tells. World frame. */
+typedef struct fw_seen_hand {
+  uint32_t struct_size; /* [bytes] of this struct, as the program knows it */
+  uint32_t reserved; /* 0 */
+  uint32_t number; /* of its session in the scene, from 1; never used again */
+  uint32_t states; /* a bit each, from bit 0: no sample has come yet, it is silent, touches nothing, touches, samples were
+     lost, the server's bound reduced the command, it was too large for the device, the movement was
+     refused, the scene recovers, the device holds less than was commanded, it moves a robot */
+  double time; /* [s] of the view that told of it, since the observer was opened */
+  double position[3]; /* [m] of the tool */
+  double orientation[4]; /* unit quaternion w, x, y, z */
+  double force[3]; /* [N] on the hand, that its device holds as its client reports */
+  double commanded[3]; /* [N] on the hand, that the scene commands */
+  double proxy[3]; /* [m] place of the tool if it could enter no surface */
+  double depth; /* [m] of the tool in the object in which it is deepest */
+  double delivered; /* [J] to the hand so far */
+  double burned; /* [J] lower bound of the energy that the device has burned so far */
+  double balance; /* [J] of the client's energy account; not a number: it told none */
+  double round_trip; /* [s] of the client's newest answer; not a number: it told none */
+  uint64_t samples; /* that the server has taken so far */
+  uint64_t missed; /* samples that were lost on the way so far */
+  uint32_t tool; /* its index among the tools of the scene */
+} fw_seen_hand;
+
+/* A body that moves. World frame. */
+typedef struct fw_seen_body {
+  uint32_t struct_size; /* [bytes] of this struct, as the program knows it */
+  uint32_t reserved; /* 0 */
+  uint32_t object; /* its index in the scene */
+  double time; /* [s] of the view that told of it, since the observer was opened */
+  double position[3]; /* [m] */
+  double orientation[4]; /* unit quaternion w, x, y, z */
+} fw_seen_body;
+
+/* Which server an admin changes. A null text is not given. */
+typedef struct fw_admin_options {
+  uint32_t struct_size; /* [bytes] of this struct, as the program knows it */
+  uint32_t reserved; /* 0 */
+  const char* server; /* HOST:PORT of the server's control port */
+  const char* fingerprint; /* of the server's certificate; or: */
+  const char* fingerprint_file; /* the file with it; or: */
+  const char* ca_file; /* file (PEM) of the authorities to trust */
+  const char* certificate_file; /* file (PEM) of the client's certificate, for a server that asks for one */
+  const char* key_file; /* file (PEM) of the key of that certificate */
+  const char* token_file; /* file with the token; null: the environment variable FELTWIRE_TOKEN has it */
+} fw_admin_options;
 
 /* The version of the library: major * 65536 + minor * 256 + patch.
    Threads: any thread. */
@@ -161,6 +241,66 @@ FW_EXPORT int32_t fw_hand_stop(fw_hand* hand);
    an error had ended the run. Null is allowed.
    Threads: one thread at a time. */
 FW_EXPORT int32_t fw_hand_close(fw_hand* hand);
+
+/* Fills in the usual options. Call it first, with sizeof.
+   Threads: any thread. */
+FW_EXPORT void fw_observer_options_default(fw_observer_options* options, uint32_t struct_size);
+
+/* Joins a scene as an observer: it has no hand, and sees all hands and moving bodies. Blocks until the server has
+   answered. A thread of the library takes the views. The observer must be closed.
+   Threads: any thread. */
+FW_EXPORT int32_t fw_observer_open(const fw_observer_options* options, fw_observer** observer);
+
+/* The newest state. FW_NOTHING: no view has come yet.
+   Threads: any thread, never waits. */
+FW_EXPORT int32_t fw_observer_latest(const fw_observer* observer, fw_scene_state* state, uint32_t struct_size);
+
+/* The hands of the newest state, by rising number, at most `most`. FW_NOTHING: no view has come yet.
+   Threads: any thread, never waits. */
+FW_EXPORT int32_t fw_observer_hands(const fw_observer* observer, fw_seen_hand* hands, uint32_t struct_size, uint32_t most, uint32_t* count);
+
+/* The moving bodies of the newest state, by rising object, at most `most`. FW_NOTHING: no view has come yet.
+   Threads: any thread, never waits. */
+FW_EXPORT int32_t fw_observer_bodies(const fw_observer* observer, fw_seen_body* bodies, uint32_t struct_size, uint32_t most, uint32_t* count);
+
+/* The name that the client of a hand gives itself. The library asks the server for it when a hand has come. It is cut at
+   `size`, with the zero byte. FW_NOTHING: it is not known yet, or there is no such hand.
+   Threads: any thread. */
+FW_EXPORT int32_t fw_observer_hand_name(fw_observer* observer, uint32_t number, char* text, uint32_t size);
+
+/* Takes the oldest message for people that was not taken yet: the session was lost, or is there again. It is cut at
+   `size`, with the zero byte. FW_NOTHING: there is none.
+   Threads: any thread. */
+FW_EXPORT int32_t fw_observer_message(fw_observer* observer, char* text, uint32_t size);
+
+/* Waits for a state with a greater number, at most `timeout` [s]. FW_OK: it is there; FW_NOTHING: not yet; FW_ENDED: there
+   will be none, and fw_last_error() says why.
+   Threads: any thread. */
+FW_EXPORT int32_t fw_observer_wait(fw_observer* observer, uint64_t number, double timeout);
+
+/* Leaves the scene and frees the observer, which no other call may use meanwhile. FW_OK, or FW_ENDED with a text if an
+   error had ended it. Null is allowed.
+   Threads: one thread at a time. */
+FW_EXPORT int32_t fw_observer_close(fw_observer* observer);
+
+/* Fills in the usual options. Call it first, with sizeof.
+   Threads: any thread. */
+FW_EXPORT void fw_admin_options_default(fw_admin_options* options, uint32_t struct_size);
+
+/* Reads the credentials, and asks the server for its scenes, so that an address or a token that is wrong is known at once.
+   Blocks. No connection stays open. The admin must be closed.
+   Threads: any thread. */
+FW_EXPORT int32_t fw_admin_open(const fw_admin_options* options, fw_admin** admin);
+
+/* Runs a command with the words of `feltwire-client admin` (docs/admin.md): "sessions", or "evict", "3". Blocks until it
+   is done. Sets `answer` to its answer as JSON, which is valid until the next call with this admin; null where the command
+   failed.
+   Threads: one thread at a time. */
+FW_EXPORT int32_t fw_admin_request(fw_admin* admin, const char* const* words, uint32_t count, const char** answer);
+
+/* Frees the admin, which no other call may use meanwhile. Null is allowed.
+   Threads: one thread at a time. */
+FW_EXPORT int32_t fw_admin_close(fw_admin* admin);
 
 #ifdef __cplusplus
 }

@@ -42,7 +42,7 @@ def wrapped(text, width, indent):
 
 # C
 C = {"u32": "uint32_t", "i32": "int32_t", "u64": "uint64_t", "f64": "double", "text": "const char*", "texts": "const char* const*",
-     "void": "void", "u32*": "uint32_t*", "char*": "char*"}
+     "void": "void", "u32*": "uint32_t*", "char*": "char*", "text*": "const char**"}
 
 
 def c_type(kind):
@@ -58,7 +58,7 @@ def header():
  * {NOTICE}
  * docs/c_api.md has a tutorial. Units are SI. Every struct begins with its size: call its fw_..._default() with sizeof, or set
  * struct_size. A function returns a result: below 0 an error, and fw_last_error() has its text. No C++ exception leaves it.
- * Threads: each function says which thread may call it. "One thread at a time": for each hand. */
+ * Threads: each function says which thread may call it. "One thread at a time": for each hand, observer or admin. */
 #ifndef FELTWIRE_H
 #define FELTWIRE_H
 
@@ -78,7 +78,10 @@ extern "C" {{
 enum {{"""]
     for i, (name, number, text) in enumerate(api.RESULTS):
         out.append(f"  FW_{name} = {number}{',' if i + 1 < len(api.RESULTS) else ' '} /* {text} */")
-    out.append("};\n\ntypedef struct fw_hand fw_hand;\n")
+    out.append("};\n")
+    for name, text in api.HANDLES:
+        out.append(f"typedef struct fw_{name} fw_{name}; /* {text} */")
+    out.append("")
     for struct in api.STRUCTS:
         out.append(f"/* {struct[1]} */\ntypedef struct fw_{struct[0]} {{")
         for kind, field, text in fields(struct):
@@ -96,7 +99,7 @@ enum {{"""]
 # Python
 PY = {"u32": "ctypes.c_uint32", "i32": "ctypes.c_int32", "u64": "ctypes.c_uint64", "f64": "ctypes.c_double", "text": "ctypes.c_char_p",
       "texts": "ctypes.POINTER(ctypes.c_char_p)", "void": "None", "u32*": "ctypes.POINTER(ctypes.c_uint32)", "char*": "ctypes.c_char_p",
-      "hand*": "ctypes.c_void_p", "const hand*": "ctypes.c_void_p", "hand**": "ctypes.POINTER(ctypes.c_void_p)"}
+      "text*": "ctypes.POINTER(ctypes.c_char_p)"}
 
 
 NUMPY = {"u32": "u4", "i32": "i4", "u64": "u8", "f64": "f8"}
@@ -143,7 +146,7 @@ def python():
 
 # C#
 CS = {"u32": "uint", "i32": "int", "u64": "ulong", "f64": "double", "text": "IntPtr", "texts": "IntPtr", "void": "void",
-      "u32*": "out uint", "char*": "byte[]", "hand*": "IntPtr", "const hand*": "IntPtr", "hand**": "out IntPtr"}
+      "u32*": "out uint", "char*": "byte[]", "text*": "out IntPtr"}
 
 
 def cs_type(kind):
@@ -183,6 +186,10 @@ def offsets():
         out.append(f"typedef char size_of_{struct[0]}[sizeof(fw_{struct[0]}) == {size} ? 1 : -1];")
     return "\n".join(out) + "\n"
 
+
+for handle, _ in api.HANDLES:
+    for words, one, place in ((PY, "ctypes.c_void_p", "ctypes.POINTER(ctypes.c_void_p)"), (CS, "IntPtr", "out IntPtr")):
+        words.update({f"{handle}*": one, f"const {handle}*": one, f"{handle}**": place})
 
 FILES = {"feltwire.h": header, "../python/feltwire/abi.py": python, "Feltwire.cs": csharp, "offsets.h": offsets}
 

@@ -77,7 +77,7 @@ void OpenHand::await_ready(Device& device) {
   constexpr auto kPatience = std::chrono::minutes(1);
   const Clock::time_point latest = Clock::now() + kPatience;
   std::string wanted;
-  const auto tell = [&](const std::string& text) { keep_message("no force yet: " + text); };
+  const auto tell = [&](const std::string& text) { messages_.keep("no force yet: " + text); };
   const bool ready = await_prepared(device, tell, [&](const std::string& text) {
     wanted = text;
     ::poll(nullptr, 0, 10);
@@ -106,23 +106,9 @@ void OpenHand::ticked(const TickRecord& tick, bool connected) noexcept {
 
 void OpenHand::say(std::string_view line) noexcept {
   try {
-    keep_message(std::string(line));
+    messages_.keep(std::string(line));
   } catch (const std::exception&) {  // no memory for it
   }
-}
-
-void OpenHand::keep_message(std::string message) {
-  const std::lock_guard lock(mutex_);
-  if (messages_.size() == kMessages) messages_.pop_front();
-  messages_.push_back(std::move(message));
-}
-
-std::optional<std::string> OpenHand::next_message() {
-  const std::lock_guard lock(mutex_);
-  if (messages_.empty()) return std::nullopt;
-  std::string oldest = std::move(messages_.front());
-  messages_.pop_front();
-  return oldest;
 }
 
 bool OpenHand::wait(double timeout) const noexcept {

@@ -1,15 +1,15 @@
 #pragma once
 // A hand of a program that uses the library.
 
-#include <deque>
+#include <array>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
 
 #include "client/app/client_options.hpp"
 #include "client/c_api/caller_device.hpp"
+#include "client/c_api/message_queue.hpp"
 #include "client/run/hand_run.hpp"
 #include "client/servo/event.hpp"
 #include "core/base/latest_value.hpp"
@@ -53,8 +53,8 @@ class OpenHand final : private RunOutlet, private TickListener {
   bool exchange(const CallerDevice::Move& move, TickCopy& tick) noexcept;
   /// The next tick that was not taken; false: there is none. One thread at a time.
   bool next(TickCopy& tick) noexcept { return ticks_.pop(tick); }
-  std::optional<std::string> next_message();
-  void keep_message(std::string message);
+  /// Its warnings and notes, for the program's people.
+  MessageQueue& messages() noexcept { return messages_; }
   void stop() noexcept { run_->supervisor().stop(); }
   /// Waits until the run has ended, at most `timeout` [s]. Returns whether it has.
   bool wait(double timeout) const noexcept;
@@ -72,11 +72,9 @@ class OpenHand final : private RunOutlet, private TickListener {
   void await_ready(Device& device);
 
   static constexpr std::size_t kTicks = 1 << 14;
-  static constexpr std::size_t kMessages = 64;
   ClientOptions options_;
   CallerDevice* caller_;
-  mutable std::mutex mutex_;  // of the messages
-  std::deque<std::string> messages_;
+  MessageQueue messages_;
   std::uint64_t number_ = 0;  // of ticks; servo thread
   LatestValue<TickCopy> latest_;
   Ring<TickCopy> ticks_{kTicks};

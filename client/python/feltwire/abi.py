@@ -3,7 +3,7 @@ import ctypes
 
 OK = 0  # It is done.
 NOTHING = 1  # There is nothing yet, or nothing new.
-ENDED = 2  # The hand's run has ended. fw_last_error() says why, if an error ended it.
+ENDED = 2  # The hand's run, or the observer, has ended. fw_last_error() says why, if an error ended it.
 ERROR_ARGUMENT = -1  # An argument is null, or an option is wrong. fw_last_error() names it and the remedy.
 ERROR_REFUSED = -2  # The server refuses for good: the token, the scene, the device or a parameter.
 ERROR_SERVER = -3  # The server is not reachable, not trusted, or full. Trying again may help.
@@ -78,6 +78,91 @@ class Tick(ctypes.Structure):
     ]
 
 
+class ObserverOptions(ctypes.Structure):
+    """How an observer joins a scene. A null text is not given."""
+    _fields_ = [
+        ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
+        ("reserved", ctypes.c_uint32),  # 0
+        ("server", ctypes.c_char_p),  # HOST:PORT of the server's control port
+        ("fingerprint", ctypes.c_char_p),  # of the server's certificate; or:
+        ("fingerprint_file", ctypes.c_char_p),  # the file with it; or:
+        ("ca_file", ctypes.c_char_p),  # file (PEM) of the authorities to trust
+        ("certificate_file", ctypes.c_char_p),  # file (PEM) of the client's certificate, for a server that asks for one
+        ("key_file", ctypes.c_char_p),  # file (PEM) of the key of that certificate
+        ("token_file", ctypes.c_char_p),  # file with the token; null: the environment variable FELTWIRE_TOKEN has it
+        ("scene", ctypes.c_char_p),  # name of the scene to observe
+        ("name", ctypes.c_char_p),  # of this observer, for the server's log
+        ("period", ctypes.c_double),  # [s] between two views of the scene, 0.001 to 0.1. A view tells of 6 hands, the next one of the next 6
+        ("patience", ctypes.c_double),  # [s] for which a lost session is looked for; 0: not at all
+    ]
+
+
+class SceneState(ctypes.Structure):
+    """What an observer sees."""
+    _fields_ = [
+        ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
+        ("reserved", ctypes.c_uint32),  # 0
+        ("number", ctypes.c_uint64),  # of the state, from 1
+        ("time", ctypes.c_double),  # [s] of its newest view, since the observer was opened
+        ("age", ctypes.c_double),  # [s] since that view came
+        ("hands", ctypes.c_uint32),  # number of hands that are seen
+        ("bodies", ctypes.c_uint32),  # number of bodies that move
+        ("connected", ctypes.c_uint32),  # 1: the session is alive; 0: it is lost and looked for, and nothing is seen
+        ("left_out", ctypes.c_uint32),  # times that a hand or body had no room: an observer keeps 1024 hands and 4096 bodies
+    ]
+
+
+class SeenHand(ctypes.Structure):
+    """A hand in the scene, as its server tells. World frame."""
+    _fields_ = [
+        ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
+        ("reserved", ctypes.c_uint32),  # 0
+        ("number", ctypes.c_uint32),  # of its session in the scene, from 1; never used again
+        ("states", ctypes.c_uint32),  # a bit each, from bit 0: no sample has come yet, it is silent, touches nothing, touches, samples were lost, the server's bound reduced the command, it was too large for the device, the movement was refused, the scene recovers, the device holds less than was commanded, it moves a robot
+        ("time", ctypes.c_double),  # [s] of the view that told of it, since the observer was opened
+        ("position", ctypes.c_double * 3),  # [m] of the tool
+        ("orientation", ctypes.c_double * 4),  # unit quaternion w, x, y, z
+        ("force", ctypes.c_double * 3),  # [N] on the hand, that its device holds as its client reports
+        ("commanded", ctypes.c_double * 3),  # [N] on the hand, that the scene commands
+        ("proxy", ctypes.c_double * 3),  # [m] place of the tool if it could enter no surface
+        ("depth", ctypes.c_double),  # [m] of the tool in the object in which it is deepest
+        ("delivered", ctypes.c_double),  # [J] to the hand so far
+        ("burned", ctypes.c_double),  # [J] lower bound of the energy that the device has burned so far
+        ("balance", ctypes.c_double),  # [J] of the client's energy account; not a number: it told none
+        ("round_trip", ctypes.c_double),  # [s] of the client's newest answer; not a number: it told none
+        ("samples", ctypes.c_uint64),  # that the server has taken so far
+        ("missed", ctypes.c_uint64),  # samples that were lost on the way so far
+        ("tool", ctypes.c_uint32),  # its index among the tools of the scene
+    ]
+
+
+class SeenBody(ctypes.Structure):
+    """A body that moves. World frame."""
+    _fields_ = [
+        ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
+        ("reserved", ctypes.c_uint32),  # 0
+        ("object", ctypes.c_uint32),  # its index in the scene
+        ("time", ctypes.c_double),  # [s] of the view that told of it, since the observer was opened
+        ("position", ctypes.c_double * 3),  # [m]
+        ("orientation", ctypes.c_double * 4),  # unit quaternion w, x, y, z
+    ]
+
+
+class AdminOptions(ctypes.Structure):
+    """Which server an admin changes. A null text is not given."""
+    _fields_ = [
+        ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
+        ("reserved", ctypes.c_uint32),  # 0
+        ("server", ctypes.c_char_p),  # HOST:PORT of the server's control port
+        ("fingerprint", ctypes.c_char_p),  # of the server's certificate; or:
+        ("fingerprint_file", ctypes.c_char_p),  # the file with it; or:
+        ("ca_file", ctypes.c_char_p),  # file (PEM) of the authorities to trust
+        ("certificate_file", ctypes.c_char_p),  # file (PEM) of the client's certificate, for a server that asks for one
+        ("key_file", ctypes.c_char_p),  # file (PEM) of the key of that certificate
+        ("token_file", ctypes.c_char_p),  # file with the token; null: the environment variable FELTWIRE_TOKEN has it
+    ]
+
+
 # numpy.dtype() takes it.
 POSE_DTYPE = {
     "names": ["struct_size", "reserved", "position", "orientation", "buttons", "deadman"],
@@ -102,6 +187,33 @@ TICK_DTYPE = {
     "formats": ["u4", "u4", "u8", "f8", ("f8", (3,)), ("f8", (4,)), ("f8", (3,)), ("f8", (3,)), "f8", "f8", "f8", "u4", "u4"],
     "offsets": [0, 4, 8, 16, 24, 48, 80, 104, 128, 136, 144, 152, 156],
     "itemsize": 160,
+}
+
+
+# numpy.dtype() takes it.
+SCENE_STATE_DTYPE = {
+    "names": ["struct_size", "reserved", "number", "time", "age", "hands", "bodies", "connected", "left_out"],
+    "formats": ["u4", "u4", "u8", "f8", "f8", "u4", "u4", "u4", "u4"],
+    "offsets": [0, 4, 8, 16, 24, 32, 36, 40, 44],
+    "itemsize": 48,
+}
+
+
+# numpy.dtype() takes it.
+SEEN_HAND_DTYPE = {
+    "names": ["struct_size", "reserved", "number", "states", "time", "position", "orientation", "force", "commanded", "proxy", "depth", "delivered", "burned", "balance", "round_trip", "samples", "missed", "tool"],
+    "formats": ["u4", "u4", "u4", "u4", "f8", ("f8", (3,)), ("f8", (4,)), ("f8", (3,)), ("f8", (3,)), ("f8", (3,)), "f8", "f8", "f8", "f8", "f8", "u8", "u8", "u4"],
+    "offsets": [0, 4, 8, 12, 16, 24, 48, 80, 104, 128, 152, 160, 168, 176, 184, 192, 200, 208],
+    "itemsize": 216,
+}
+
+
+# numpy.dtype() takes it.
+SEEN_BODY_DTYPE = {
+    "names": ["struct_size", "reserved", "object", "time", "position", "orientation"],
+    "formats": ["u4", "u4", "u4", "f8", ("f8", (3,)), ("f8", (4,))],
+    "offsets": [0, 4, 8, 16, 24, 48],
+    "itemsize": 80,
 }
 
 
@@ -137,4 +249,30 @@ def declare(library):
     library.fw_hand_stop.argtypes = [ctypes.c_void_p]
     library.fw_hand_close.restype = ctypes.c_int32
     library.fw_hand_close.argtypes = [ctypes.c_void_p]
+    library.fw_observer_options_default.restype = None
+    library.fw_observer_options_default.argtypes = [ctypes.POINTER(ObserverOptions), ctypes.c_uint32]
+    library.fw_observer_open.restype = ctypes.c_int32
+    library.fw_observer_open.argtypes = [ctypes.POINTER(ObserverOptions), ctypes.POINTER(ctypes.c_void_p)]
+    library.fw_observer_latest.restype = ctypes.c_int32
+    library.fw_observer_latest.argtypes = [ctypes.c_void_p, ctypes.POINTER(SceneState), ctypes.c_uint32]
+    library.fw_observer_hands.restype = ctypes.c_int32
+    library.fw_observer_hands.argtypes = [ctypes.c_void_p, ctypes.POINTER(SeenHand), ctypes.c_uint32, ctypes.c_uint32, ctypes.POINTER(ctypes.c_uint32)]
+    library.fw_observer_bodies.restype = ctypes.c_int32
+    library.fw_observer_bodies.argtypes = [ctypes.c_void_p, ctypes.POINTER(SeenBody), ctypes.c_uint32, ctypes.c_uint32, ctypes.POINTER(ctypes.c_uint32)]
+    library.fw_observer_hand_name.restype = ctypes.c_int32
+    library.fw_observer_hand_name.argtypes = [ctypes.c_void_p, ctypes.c_uint32, ctypes.c_char_p, ctypes.c_uint32]
+    library.fw_observer_message.restype = ctypes.c_int32
+    library.fw_observer_message.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_uint32]
+    library.fw_observer_wait.restype = ctypes.c_int32
+    library.fw_observer_wait.argtypes = [ctypes.c_void_p, ctypes.c_uint64, ctypes.c_double]
+    library.fw_observer_close.restype = ctypes.c_int32
+    library.fw_observer_close.argtypes = [ctypes.c_void_p]
+    library.fw_admin_options_default.restype = None
+    library.fw_admin_options_default.argtypes = [ctypes.POINTER(AdminOptions), ctypes.c_uint32]
+    library.fw_admin_open.restype = ctypes.c_int32
+    library.fw_admin_open.argtypes = [ctypes.POINTER(AdminOptions), ctypes.POINTER(ctypes.c_void_p)]
+    library.fw_admin_request.restype = ctypes.c_int32
+    library.fw_admin_request.argtypes = [ctypes.c_void_p, ctypes.POINTER(ctypes.c_char_p), ctypes.c_uint32, ctypes.POINTER(ctypes.c_char_p)]
+    library.fw_admin_close.restype = ctypes.c_int32
+    library.fw_admin_close.argtypes = [ctypes.c_void_p]
     return library

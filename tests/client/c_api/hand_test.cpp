@@ -4,8 +4,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <thread>
 #include <vector>
@@ -14,41 +12,17 @@
 #include "client/c_api/feltwire.h"
 #include "client/c_api/offsets.h"
 #include "core/base/latest_value.hpp"
-#include "tests/client/floor_server.hpp"
-#include "tests/client/temporary_folder.hpp"
+#include "tests/client/c_api/c_api_server.hpp"
 #include "tests/support/eventually.hpp"
-#include "tests/support/security.hpp"
 
 namespace feltwire::c_api_test {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::TemporaryFolder;
 
-class CApi : public ::testing::Test {
+class CApi : public ::testing::Test, protected ApiServer {
  protected:
-  CApi() {
-    std::vector<Scene> scenes;
-    scenes.push_back(testing::floor_scene());
-    server_ = std::make_unique<Server>(testing::any_ports(), std::move(scenes), test::security());
-    address_ = "127.0.0.1:" + std::to_string(server_->control_port());
-    token_file_ = (folder_ / "token").string();
-    std::ofstream(token_file_) << test::admin_token().text.text() << "\n";
-    std::filesystem::permissions(token_file_, std::filesystem::perms::owner_read);
-    fingerprint_ = to_string(fingerprint(test::identity()));
-  }
-
-  fw_hand_options options() const {
-    fw_hand_options options;
-    fw_hand_options_default(&options, sizeof options);
-    options.server = address_.c_str();
-    options.fingerprint = fingerprint_.c_str();
-    options.token_file = token_file_.c_str();
-    options.scene = "floor";
-    options.more = kMore.data();
-    options.more_count = static_cast<std::uint32_t>(kMore.size());
-    return options;
-  }
+  fw_hand_options options() const { return hand_options(); }
 
   /// The program is the device, and is felt at once. Its thread may wait on a busy machine.
   fw_hand_options caller_options() const {
@@ -94,13 +68,6 @@ class CApi : public ::testing::Test {
       return fw_hand_latest(hand, &tick, sizeof tick) == FW_OK && tick.number > before;
     });
   }
-
-  // A busy machine may let the thread of this test wait.
-  static constexpr std::array<const char*, 4> kMore = {"--flight-recorder", "off", "--let-go-after",
-                                                       "1"};
-  TemporaryFolder folder_;
-  std::unique_ptr<Server> server_;
-  std::string address_, token_file_, fingerprint_;
 };
 
 TEST_F(CApi, AHandOfTheCallerFeelsTheFloorAndAStaleOneFeelsNothing) {
@@ -237,7 +204,7 @@ TEST_F(CApi, AServerThatEndsIsTold) {
     fw_tick tick{};
     return fw_hand_latest(hand, &tick, sizeof tick) == FW_OK && tick.reply_age >= 0.0;
   });
-  server_.reset();
+  server.reset();
   EXPECT_EQ(fw_hand_wait(hand, 20.0), FW_ENDED);
   EXPECT_EQ(fw_hand_close(hand), FW_ENDED);
   EXPECT_THAT(fw_last_error(), HasSubstr("shutting down"));
@@ -279,7 +246,7 @@ TEST_F(CApi, WrongArgumentsAreNamed) {
   EXPECT_EQ(fw_hand_open(&given, &hand), FW_ERROR_REFUSED);
   EXPECT_THAT(fw_last_error(), HasSubstr("no_such_scene"));
   EXPECT_EQ(hand, nullptr);
-  server_.reset();
+  server.reset();
   given = options();
   EXPECT_EQ(fw_hand_open(&given, &hand), FW_ERROR_SERVER);
   EXPECT_EQ(fw_hand_close(nullptr), FW_OK);

@@ -1,0 +1,119 @@
+#pragma once
+// All functions of the C interface share these: results, the text of the last error, and structs of
+// older and newer programs.
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "client/c_api/feltwire.h"
+#include "client/transport/control_client.hpp"
+
+namespace feltwire {
+
+/// Keeps the text of the calling thread's last error, in one line. Returns `result`.
+std::int32_t fail(std::int32_t result, const char* text) noexcept;
+/// That text; empty: there was no error. It is valid until the thread's next error.
+const char* last_error() noexcept;
+
+/// The number of times that this process came from a fork() of another one that had the library. A
+/// child process has the handles of its parent, but none of its threads.
+std::uint32_t forks() noexcept;
+
+/// The object behind a handle of a program, and the process that opened it.
+template <class Object>
+struct Owned {
+  std::unique_ptr<Object> object{};
+  std::uint32_t process = forks();
+};
+
+/// Whether a handle may be used: it is not null, and this process has opened it.
+template <class Object>
+bool is_open(const Owned<Object>* handle) noexcept {
+  return handle != nullptr && handle->object != nullptr && handle->process == forks();
+}
+
+/// Runs a function, and turns what it throws into a result.
+template <class Work>
+std::int32_t guarded(Work work) noexcept {
+  try {
+    return work();
+  } catch (const LastingError& error) {
+    return fail(FW_ERROR_REFUSED, error.what());
+  } catch (const SessionError& error) {
+    return fail(FW_ERROR_SERVER, error.what());
+  } catch (const std::invalid_argument& error) {
+    return fail(FW_ERROR_ARGUMENT, error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(FW_ERROR_MEMORY, "there is no memory for it");
+  } catch (const std::runtime_error& error) {
+    return fail(FW_ERROR_DEVICE, error.what());
+  } catch (const std::exception& error) {
+    return fail(FW_ERROR_INTERNAL, error.what());
+  } catch (...) {
+    return fail(FW_ERROR_INTERNAL, "an error without a text");
+  }
+}
+
+/// Returns whether a struct can have this size: struct_size and `reserved` at least, and whole
+/// fields.
+constexpr bool is_size(std::uint32_t size) noexcept {
+  constexpr std::uint32_t kLeast = 8, kMost = 4096, kStep = 8;
+  return size >= kLeast && size <= kMost && size % kStep == 0;
+}
+
+/// Reads a struct of a program that was compiled with an older or a newer header. What the program
+/// does not know keeps its usual value. Throws std::invalid_argument if it has no size, or sets a
+/// field that this library does not know.
+template <class Struct>
+Struct read_struct(const Struct* given, const Struct& usual, const char* name) {
+  if (given == nullptr) throw std::invalid_argument(std::string(name) + " is null");
+  if (!is_size(given->struct_size))
+    throw std::invalid_argument(std::string(name) + ".struct_size is " +
+                                std::to_string(given->struct_size) + "; call fw_" + name +
+                                "_default() first");
+  Struct read = usual;
+  const auto* bytes = reinterpret_cast<const unsigned char*>(given);
+  const std::size_t known = std::min<std::size_t>(sizeof read, given->struct_size);
+  std::memcpy(&read, bytes, known);
+  if (std::any_of(bytes + known, bytes + given->struct_size,
+                  [](unsigned char byte) { return byte != 0; }))
+    throw std::invalid_argument(std::string(name) +
+                                " has a field that this version of the library does not know");
+  read.struct_size = sizeof read;
+  return read;
+}
+
+/// Writes as much of a struct as the program knows; the rest of its own becomes zero.
+template <class Struct>
+void write_struct(Struct value, void* to, std::uint32_t size) noexcept {
+  value.struct_size = size;
+  std::memset(to, 0, size);
+  std::memcpy(to, &value, std::min<std::size_t>(sizeof value, size));
+}
+
+/// Writes a text, cut at `size` with its zero byte.
+void write_text(std::string_view from, char* to, std::uint32_t size) noexcept;
+
+/// Returns the address and the credentials of options with those fields. `name`: of the struct.
+/// Throws std::invalid_argument that names a wrong one.
+template <class Options>
+ServerAccess access_of(const Options& options, const char* name) {
+  if (options.server == nullptr) throw std::invalid_argument(std::string(name) + ".server is null");
+  const auto text = [](const char* given) { return std::string(given != nullptr ? given : ""); };
+  return {parse_endpoint(options.server),
+          credentials({.fingerprint = text(options.fingerprint),
+                       .fingerprint_file = text(options.fingerprint_file),
+                       .ca = text(options.ca_file),
+                       .certificate = text(options.certificate_file),
+                       .key = text(options.key_file),
+                       .token_file = text(options.token_file)})};
+}
+
+}  // namespace feltwire
