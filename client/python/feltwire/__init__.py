@@ -19,8 +19,10 @@ from typing import TYPE_CHECKING, Any, List
 
 if TYPE_CHECKING:
     from . import aio, lab
+    from .admins import Admin, admin
     from .errors import Error, FileError, Refused, SceneError, ServerError
     from .hand import Hand, join
+    from .observer import Observer, observe
     from .plots import plot
     from .recordings import DamageWarning, Recording, read
     from .scenes import Scene
@@ -28,8 +30,10 @@ if TYPE_CHECKING:
     from .tables import Table
 
 _PLACES = {
+    "Admin": "admins", "admin": "admins",
     "Error": "errors", "FileError": "errors", "Refused": "errors", "SceneError": "errors", "ServerError": "errors",
     "Hand": "hand", "join": "hand",
+    "Observer": "observer", "observe": "observer",
     "plot": "plots",
     "DamageWarning": "recordings", "Recording": "recordings", "read": "recordings",
     "Scene": "scenes",
@@ -37,8 +41,8 @@ _PLACES = {
     "Table": "tables",
 }
 
-__all__ = ["DamageWarning", "Error", "FileError", "Hand", "Recording", "Refused", "Scene", "SceneError", "Server", "ServerError", "Table", "aio",
-           "join", "lab", "play", "plot", "read", "serve"]
+__all__ = ["Admin", "DamageWarning", "Error", "FileError", "Hand", "Observer", "Recording", "Refused", "Scene", "SceneError", "Server",
+           "ServerError", "Table", "admin", "aio", "join", "lab", "observe", "play", "plot", "read", "serve"]
 
 
 def __getattr__(name: str) -> Any:

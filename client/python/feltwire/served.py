@@ -18,7 +18,9 @@ from .options import words
 from .scenes import Scene
 
 if TYPE_CHECKING:
+    from .admins import Admin
     from .hand import Hand
+    from .observer import Observer
 
 SceneSource = Union[str, "os.PathLike[str]", Scene]
 
@@ -106,6 +108,21 @@ class Server:
         """Joins one of its scenes, the first one if none is named. Keywords and errors as in feltwire.join()."""
         from .hand import join  # A program that only serves does not need the library.
         return join(self.address, scene or self.scenes[0], fingerprint_file=self.fingerprint_file, token_file=self.token_file, **options)
+
+    def observe(self, scene: Optional[str] = None, **options: Any) -> "Observer":
+        """Observes one of its scenes, the first one if none is named. Keywords as in feltwire.observe()."""
+        from .observer import observe
+        return observe(self.address, scene or self.scenes[0], fingerprint_file=self.fingerprint_file, token_file=self.token_file, **options)
+
+    def admin(self) -> "Admin":
+        """An Admin of this server, with a token of its own."""
+        from .admins import admin
+        state = pathlib.Path(self.token_file).parent
+        token = state / "admin.token"
+        if not token.exists():
+            subprocess.run([program("feltwire-server"), "token", "add", "--state", str(state), "--client", "python", "--scene", "*", "--role",
+                            "admin", "--expires", "never", "--out", str(token)], check=True)
+        return admin(self.address, fingerprint_file=self.fingerprint_file, token_file=str(token))
 
     def close(self) -> None:
         """Ends the server. May be called again."""
