@@ -44,8 +44,14 @@ class Observers(unittest.TestCase):
     def test_it_sees_a_hand_press_and_leave(self):
         with self.server.observe() as observer:
             with self.server.join(path="press", name="anna", **PATIENT):
-                eventually("the plane pushes", lambda: any(value(hand, "force")[2] > 0.1 for hand in observer.hands()))
-                hand = observer.hands()[0]
+                hands = []
+
+                def pushed():
+                    hands[:] = observer.hands()
+                    return hands and value(hands[0], "commanded")[2] > 0.1 and value(hands[0], "force")[2] > 0.0
+
+                eventually("the plane pushes", pushed)
+                hand = hands[0]
                 number = int(value(hand, "number"))
                 eventually("the name", lambda: observer.name(number) == "anna")
                 self.assertLess(value(hand, "position")[2], 0.02)

@@ -58,17 +58,21 @@ TEST(ObserverApi, SeesAHandThatPressesTheFloorAndItsEnd) {
   EXPECT_EQ(state_of(observer).hands, 0u);
   EXPECT_EQ(state_of(observer).connected, 1u);
   fw_hand* hand = nullptr;
-  const fw_hand_options options = server.hand_options();
+  constexpr std::array<const char*, 6> kPatient = {
+      "--flight-recorder", "off", "--let-go-after", "1", "--hold-time", "1"};
+  fw_hand_options options = server.hand_options();
+  options.more = kPatient.data();
+  options.more_count = kPatient.size();
   ASSERT_EQ(fw_hand_open(&options, &hand), FW_OK) << fw_last_error();
   fw_seen_hand seen{};
+  // The account of a hand on a slow machine may leave little of the force.
   test::eventually("the floor pushes", [&] {
     const auto hands = hands_of(observer);
     if (!hands.empty()) seen = hands.front();
-    return (seen.states & kTouches) != 0 && seen.force[2] > 0.1;
+    return (seen.states & kTouches) != 0 && seen.commanded[2] > 0.1 && seen.force[2] > 0.0;
   });
   EXPECT_EQ(seen.struct_size, sizeof seen);
   EXPECT_EQ(seen.number, 2u) << "the observer is the first session";
-  EXPECT_GT(seen.commanded[2], 0.0);
   EXPECT_LT(seen.position[2], 0.01);
   EXPECT_GT(seen.samples, 0u);
   EXPECT_GT(seen.time, 0.0);
