@@ -72,12 +72,14 @@ void list_specs() {
   throw CLI::Success();
 }
 
-/// With `error`, the environment is not read, nothing is printed, and the error goes there.
-std::variant<ClientOptions, int> parse(int argc, const char* const* argv, std::string* error_text) {
+/// With `error_text`, the environment is not read, nothing is printed, and the error goes there.
+std::variant<ClientOptions, int> parse(int argc, const char* const* argv, std::string* error_text,
+                                       bool has_server = true) {
   ClientOptions options;
   SessionParameters& parameters = options.parameters;
   HandTask task;
   OptionValues values;
+  values.has_server = has_server;
 
   CLI::App app{
       "feltwire-client: connects a haptic device (real, simulated or replayed) to a scene of a "
@@ -91,7 +93,7 @@ std::variant<ClientOptions, int> parse(int argc, const char* const* argv, std::s
       "Print version, commit, compiler and build type, and exit");
   app.add_option("--connect", values.connect,
                  "HOST:PORT of the server's control port; IPv6 as [::1]:PORT")
-      ->required();
+      ->required(has_server);
   add_credential_options(app, values.credentials);
   app.add_flag("--list", options.list, "List the server's scenes and exit");
   app.add_flag("--check", options.check,
@@ -477,11 +479,11 @@ std::variant<ClientOptions, int> parse_options(int argc, char** argv) {
   return parse(argc, argv, nullptr);
 }
 
-ClientOptions options_of(const std::vector<std::string>& words) {
+ClientOptions options_of(const std::vector<std::string>& words, bool has_server) {
   std::vector<const char*> argv{"feltwire-client"};
   for (const std::string& word : words) argv.push_back(word.c_str());
   std::string error;
-  auto parsed = parse(static_cast<int>(argv.size()), argv.data(), &error);
+  auto parsed = parse(static_cast<int>(argv.size()), argv.data(), &error, has_server);
   if (!error.empty()) throw std::invalid_argument(error);
   return std::get<ClientOptions>(std::move(parsed));
 }

@@ -28,7 +28,8 @@ struct ClientOptions : RunOptions {
 /// as one line) it returns the exit code instead.
 std::variant<ClientOptions, int> parse_options(int argc, char** argv);
 /// Reads the words of a command line without the program's name. It reads no environment, and
-/// prints nothing. Throws std::invalid_argument with one line.
-ClientOptions options_of(const std::vector<std::string>& words);
+/// prints nothing. `has_server`: false: the scene is in this process, and the words name no server.
+/// Throws std::invalid_argument with one line.
+ClientOptions options_of(const std::vector<std::string>& words, bool has_server = true);
 
 }  // namespace feltwire

@@ -338,10 +338,15 @@ void apply_profile(const NetworkProfile& line, OptionValues& values,
 }
 
 void to_client_options(const OptionValues& values, HandTask task, ClientOptions& options) {
-  options.server = {parse_endpoint(values.connect), credentials(values.credentials)};
-  if (options.list) return;
-  require(!values.scene.empty() || options.check,
-          "--scene is required; --list shows the existing scenes");
+  if (values.has_server) {
+    options.server = {parse_endpoint(values.connect), credentials(values.credentials)};
+    if (options.list) return;
+    require(!values.scene.empty() || options.check,
+            "--scene is required; --list shows the existing scenes");
+  } else {
+    require(values.connect.empty() && values.scene.empty(),
+            "--connect and --scene: there is no server; leave them out");
+  }
   options.scene = values.scene;
   check_name("--scene", options.scene);
   check_name("--tool", options.tool);

@@ -101,6 +101,72 @@ namespace Feltwire
             [FieldOffset(156)] public uint connected;  // 1: the session is alive; 0: it is lost, and the hand looks for it
         }
 
+        /// <summary>How a hand meets the physics of the program. A null text is not given.</summary>
+        [StructLayout(LayoutKind.Explicit, Size = 120)]
+        public struct WorldOptions
+        {
+            [FieldOffset(0)] public uint struct_size;  // [bytes] of this struct, as the program knows it
+            [FieldOffset(4)] public uint reserved;  // 0
+            [FieldOffset(8)] public IntPtr name;  // of this hand, for its recording
+            [FieldOffset(16)] public IntPtr device;  // as in hand_options
+            [FieldOffset(24)] public IntPtr spec;  // as in hand_options
+            [FieldOffset(32)] public double duration;  // [s] after which the run ends; 0: at fw_hand_close()
+            [FieldOffset(40)] public double stale_after;  // as in hand_options
+            [FieldOffset(48)] public double stiffness;  // [N/m] above 0: of the stiffest surface that the hand will meet
+            [FieldOffset(56)] public double start_position_0;  // [m] a point on a surface, where a hand that does not know the scene begins
+            [FieldOffset(64)] public double start_position_1;  // [m] a point on a surface, where a hand that does not know the scene begins
+            [FieldOffset(72)] public double start_position_2;  // [m] a point on a surface, where a hand that does not know the scene begins
+            [FieldOffset(80)] public double start_normal_0;  // unit normal of the surface there
+            [FieldOffset(88)] public double start_normal_1;  // unit normal of the surface there
+            [FieldOffset(96)] public double start_normal_2;  // unit normal of the surface there
+            [FieldOffset(104)] public IntPtr more;  // as in hand_options
+            [FieldOffset(112)] public uint more_count;  // number of these words
+        }
+
+        /// <summary>A surface near the tool, described around its point nearest to the tool. World frame.</summary>
+        [StructLayout(LayoutKind.Explicit, Size = 168)]
+        public struct Patch
+        {
+            [FieldOffset(0)] public uint struct_size;  // [bytes] of this struct, as the program knows it
+            [FieldOffset(4)] public uint reserved;  // 0
+            [FieldOffset(8)] public double point_0;  // [m] on the surface
+            [FieldOffset(16)] public double point_1;  // [m] on the surface
+            [FieldOffset(24)] public double point_2;  // [m] on the surface
+            [FieldOffset(32)] public double normal_0;  // unit, towards the free side
+            [FieldOffset(40)] public double normal_1;  // unit, towards the free side
+            [FieldOffset(48)] public double normal_2;  // unit, towards the free side
+            [FieldOffset(56)] public double stiffness;  // [N/m] above 0
+            [FieldOffset(64)] public double curvature;  // [1/m] 1 / radius of a ball felt from outside, below 0 from inside; 0: a plane
+            [FieldOffset(72)] public double axis_0;  // unit vector along which the surface is straight (a cylinder); zero: the same curve all ways
+            [FieldOffset(80)] public double axis_1;  // unit vector along which the surface is straight (a cylinder); zero: the same curve all ways
+            [FieldOffset(88)] public double axis_2;  // unit vector along which the surface is straight (a cylinder); zero: the same curve all ways
+            [FieldOffset(96)] public double velocity_0;  // [m/s] of the surface
+            [FieldOffset(104)] public double velocity_1;  // [m/s] of the surface
+            [FieldOffset(112)] public double velocity_2;  // [m/s] of the surface
+            [FieldOffset(120)] public double radius;  // [m] within which the patch is right, from its point; 0: the reach
+            [FieldOffset(128)] public double damping;  // [N s/m] along the normal
+            [FieldOffset(136)] public double static_friction;  // coefficient, not below dynamic_friction
+            [FieldOffset(144)] public double dynamic_friction;  // coefficient
+            [FieldOffset(152)] public double viscous_friction;  // [N s/m] against sliding
+            [FieldOffset(160)] public uint object;  // a number of the program's own, below 65536: friction sticks to an object from one call to the next
+        }
+
+        /// <summary>A force and a torque of the surroundings on the hand. World frame.</summary>
+        [StructLayout(LayoutKind.Explicit, Size = 72)]
+        public struct Wrench
+        {
+            [FieldOffset(0)] public uint struct_size;  // [bytes] of this struct, as the program knows it
+            [FieldOffset(4)] public uint reserved;  // 0
+            [FieldOffset(8)] public double time;  // [s] fw_tick.time of the pose that it is for
+            [FieldOffset(16)] public double force_0;  // [N]
+            [FieldOffset(24)] public double force_1;  // [N]
+            [FieldOffset(32)] public double force_2;  // [N]
+            [FieldOffset(40)] public double torque_0;  // [N m]
+            [FieldOffset(48)] public double torque_1;  // [N m]
+            [FieldOffset(56)] public double torque_2;  // [N m]
+            [FieldOffset(64)] public double stiffness;  // [N/m] of the force when the tool moves along it; 0: not known
+        }
+
         /// <summary>How an observer joins a scene. A null text is not given.</summary>
         [StructLayout(LayoutKind.Explicit, Size = 96)]
         public struct ObserverOptions
@@ -261,6 +327,30 @@ namespace Feltwire
         /// <summary>Ends the run, waits for it, and frees the hand, which no other call may use meanwhile. FW_OK, or FW_ENDED with a text if an error had ended the run. Null is allowed. Threads: one thread at a time.</summary>
         [DllImport("feltwire")]
         public static extern int fw_hand_close(IntPtr hand);
+
+        /// <summary>Fills in the usual options. Call it first, with sizeof. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern void fw_world_options_default(ref WorldOptions options, uint struct_size);
+
+        /// <summary>A plane of 1000 N/m through the origin, without friction. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern void fw_patch_default(ref Patch patch, uint struct_size);
+
+        /// <summary>No force. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern void fw_wrench_default(ref Wrench wrench, uint struct_size);
+
+        /// <summary>Opens a hand that meets the physics of the program in place of a server's scene. All functions of a hand work with it. The program calls fw_hand_touch() or fw_hand_push() 60 to 1000 times a second; if it stops, the force fades within the hold time. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_hand_open_world(ref WorldOptions options, out IntPtr hand);
+
+        /// <summary>For a hand of fw_hand_open_world(): says which surfaces are within `reach` [m] of the tool, at most 3; 0: none is. `time` [s]: fw_tick.time of the position that the physics used. The hand feels them at its servo rate until the next call. FW_NOTHING: the hand cannot take them now, because there was no tick yet or its servo stands still. FW_ENDED: the run has ended. Threads: one thread at a time, never waits.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_hand_touch(IntPtr hand, double time, double reach, ref Patch patches, uint struct_size, uint count);
+
+        /// <summary>The same, for physics that knows a force only. With a stiffness the hand feels the plane that has this force at that position. Without one it feels the force as it is. Prefer fw_hand_touch(): a patch is felt before it pushes. Threads: one thread at a time, never waits.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_hand_push(IntPtr hand, ref Wrench wrench);
 
         /// <summary>Fills in the usual options. Call it first, with sizeof. Threads: any thread.</summary>
         [DllImport("feltwire")]

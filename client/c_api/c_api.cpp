@@ -1,28 +1,20 @@
 // The functions of feltwire.h for a hand, and those of no handle.
 
 #include <algorithm>
-#include <array>
-#include <charconv>
-#include <cstring>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "client/app/open_client.hpp"
 #include "client/c_api/c_call.hpp"
 #include "client/c_api/feltwire.h"
-#include "client/c_api/open_hand.hpp"
-#include "client/servo/device_input.hpp"
-#include "core/device/device_file.hpp"
-
-/// The handle of a program.
-struct fw_hand : feltwire::Owned<feltwire::OpenHand> {};
+#include "client/c_api/hand_opening.hpp"
 
 namespace feltwire {
 namespace {
 
 constexpr std::uint32_t kMajor = 0, kMinor = 1, kPatch = 0;  // of CMakeLists.txt: a test compares
+
 fw_hand_options usual_options() noexcept {
   fw_hand_options options{};
   options.struct_size = sizeof options;
@@ -39,83 +31,20 @@ fw_pose usual_pose() noexcept {
   return pose;
 }
 
-/// Returns a number as text that is the same in every locale.
-std::string number(double value) {
-  std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-  return {text.data(), end};
-}
-
-/// Throws std::invalid_argument for an option that has no meaning in a library.
-void require_meaning(const std::string& word) {
-  constexpr std::array kOfTheProgram = {"--help",  "--help-all",   "--version", "--list",
-                                        "--check", "--list-specs", "--report",  "--rehearsal"};
-  for (const char* option : kOfTheProgram)
-    if (word == option || word.starts_with(std::string(option) + "="))
-      throw std::invalid_argument("hand_options.more: " + word + " is for feltwire-client only");
-}
-
-/// Returns the words of feltwire-client for these options.
-std::vector<std::string> command_line(const fw_hand_options& options, bool caller) {
+/// Returns the words of feltwire-client that say where the scene is.
+std::vector<std::string> place_of(const fw_hand_options& options) {
+  if (options.server == nullptr) throw std::invalid_argument("hand_options.server is null");
   std::vector<std::string> words;
   const auto add = [&](const char* option, const char* value) {
     if (value != nullptr) words.insert(words.end(), {option, value});
   };
-  if (options.server == nullptr) throw std::invalid_argument("hand_options.server is null");
   add("--connect", options.server);
   add("--fingerprint", options.fingerprint);
   add("--fingerprint-file", options.fingerprint_file);
   add("--ca", options.ca_file);
   add("--token-file", options.token_file);
   add("--scene", options.scene);
-  add("--name", options.name);
-  // A person may hold what the program moves: the limits are those of a plugin.
-  add("--device", caller ? "plugin:caller" : options.device);
-  add("--spec", options.spec);
-  add("--duration", number(options.duration).c_str());
-  if (options.more_count > 0 && options.more == nullptr)
-    throw std::invalid_argument("hand_options.more is null, and more_count is not 0");
-  for (std::uint32_t i = 0; i < options.more_count; ++i) {
-    if (options.more[i] == nullptr)
-      throw std::invalid_argument("hand_options.more has a null word");
-    require_meaning(options.more[i]);
-    words.emplace_back(options.more[i]);
-  }
-  const auto is_recorder = [](const std::string& word) {
-    return word.starts_with("--flight-recorder");
-  };
-  if (std::ranges::none_of(words, is_recorder)) add("--flight-recorder", "off");
   return words;
-}
-
-std::unique_ptr<OpenHand> open_hand(const fw_hand_options& given) {
-  const bool is_caller = given.device != nullptr && std::strcmp(given.device, "caller") == 0;
-  ClientOptions options = options_of(command_line(given, is_caller));
-  options.rehearses = false;  // it prints
-  OpenedDevice opened;
-  CallerDevice* caller = nullptr;
-  if (is_caller) {
-    const double longest = kDevicePatience * options.parameters.hold_time;
-    if (!(given.stale_after >= 1e-3 && given.stale_after < longest))
-      throw std::invalid_argument(
-          "hand_options.stale_after must be from 0.001 s to less than a quarter of the hold "
-          "time, " +
-          std::to_string(longest) + " s; move the hand more often, or give a longer --hold-time");
-    options.device_kind = "caller";
-    options.takes = {};  // a person may hold what the program moves
-    auto device = std::make_unique<CallerDevice>(
-        requested_spec(options.device.spec, "simulated").spec, given.stale_after);
-    caller = device.get();
-    opened.device = std::move(device);
-  } else {
-    opened = options.driver->open(options.device);
-  }
-  const std::vector<std::string> notes = std::move(opened.notes);
-  options.open_port = port_opener(options);
-  auto device = hand_device(std::move(opened), options);
-  auto hand = std::make_unique<OpenHand>(std::move(options), std::move(device), caller);
-  for (const std::string& note : notes) hand->messages().keep("note: " + note);
-  return hand;
 }
 
 fw_tick to_c(const TickCopy& tick) noexcept {
@@ -146,10 +75,6 @@ CallerDevice::Move to_move(const fw_pose& pose) {
     throw std::invalid_argument("pose.orientation is no unit quaternion w, x, y, z");
   return {
       .pose = {position, turn.normalized()}, .buttons = pose.buttons, .deadman = pose.deadman != 0};
-}
-
-std::int32_t no_hand() noexcept {
-  return fail(FW_ERROR_ARGUMENT, "the hand is null, or another process opened it");
 }
 
 }  // namespace
@@ -205,7 +130,7 @@ std::int32_t fw_hand_open(const fw_hand_options* options, fw_hand** hand) {
     *hand = nullptr;
     const fw_hand_options given = read_struct(options, usual_options(), "hand_options");
     auto opened = std::make_unique<fw_hand>();
-    opened->object = open_hand(given);
+    opened->object = open_hand({"hand_options", place_of(given), given});
     *hand = opened.release();
     return FW_OK;
   });

@@ -96,6 +96,50 @@ typedef struct fw_tick {
   uint32_t connected; /* 1: the session is alive; 0: it is lost, and the hand looks for it */
 } fw_tick;
 
+/* How a hand meets the physics of the program. A null text is not given. */
+typedef struct fw_world_options {
+  uint32_t struct_size; /* [bytes] of this struct, as the program knows it */
+  uint32_t reserved; /* 0 */
+  const char* name; /* of this hand, for its recording */
+  const char* device; /* as in hand_options */
+  const char* spec; /* as in hand_options */
+  double duration; /* [s] after which the run ends; 0: at fw_hand_close() */
+  double stale_after; /* as in hand_options */
+  double stiffness; /* [N/m] above 0: of the stiffest surface that the hand will meet */
+  double start_position[3]; /* [m] a point on a surface, where a hand that does not know the scene begins */
+  double start_normal[3]; /* unit normal of the surface there */
+  const char* const* more; /* as in hand_options */
+  uint32_t more_count; /* number of these words */
+} fw_world_options;
+
+/* A surface near the tool, described around its point nearest to the tool. World frame. */
+typedef struct fw_patch {
+  uint32_t struct_size; /* [bytes] of this struct, as the program knows it */
+  uint32_t reserved; /* 0 */
+  double point[3]; /* [m] on the surface */
+  double normal[3]; /* unit, towards the free side */
+  double stiffness; /* [N/m] above 0 */
+  double curvature; /* [1/m] 1 / radius of a ball felt from outside, below 0 from inside; 0: a plane */
+  double axis[3]; /* unit vector along which the surface is straight (a cylinder); zero: the same curve all ways */
+  double velocity[3]; /* [m/s] of the surface */
+  double radius; /* [m] within which the patch is right, from its point; 0: the reach */
+  double damping; /* [N s/m] along the normal */
+  double static_friction; /* coefficient, not below dynamic_friction */
+  double dynamic_friction; /* coefficient */
+  double viscous_friction; /* [N s/m] against sliding */
+  uint32_t object; /* a number of the program's own, below 65536: friction sticks to an object from one call to the next */
+} fw_patch;
+
+/* A force and a torque of the surroundings on the hand. World frame. */
+typedef struct fw_wrench {
+  uint32_t struct_size; /* [bytes] of this struct, as the program knows it */
+  uint32_t reserved; /* 0 */
+  double time; /* [s] fw_tick.time of the pose that it is for */
+  double force[3]; /* [N] */
+  double torque[3]; /* [N m] */
+  double stiffness; /* [N/m] of the force when the tool moves along it; 0: not known */
+} fw_wrench;
+
 /* How an observer joins a scene. A null text is not given. */
 typedef struct fw_observer_options {
   uint32_t struct_size; /* [bytes] of this struct, as the program knows it */
@@ -241,6 +285,36 @@ FW_EXPORT int32_t fw_hand_stop(fw_hand* hand);
    an error had ended the run. Null is allowed.
    Threads: one thread at a time. */
 FW_EXPORT int32_t fw_hand_close(fw_hand* hand);
+
+/* Fills in the usual options. Call it first, with sizeof.
+   Threads: any thread. */
+FW_EXPORT void fw_world_options_default(fw_world_options* options, uint32_t struct_size);
+
+/* A plane of 1000 N/m through the origin, without friction.
+   Threads: any thread. */
+FW_EXPORT void fw_patch_default(fw_patch* patch, uint32_t struct_size);
+
+/* No force.
+   Threads: any thread. */
+FW_EXPORT void fw_wrench_default(fw_wrench* wrench, uint32_t struct_size);
+
+/* Opens a hand that meets the physics of the program in place of a server's scene. All functions of a hand work with it.
+   The program calls fw_hand_touch() or fw_hand_push() 60 to 1000 times a second; if it stops, the force fades within the
+   hold time.
+   Threads: any thread. */
+FW_EXPORT int32_t fw_hand_open_world(const fw_world_options* options, fw_hand** hand);
+
+/* For a hand of fw_hand_open_world(): says which surfaces are within `reach` [m] of the tool, at most 3; 0: none is.
+   `time` [s]: fw_tick.time of the position that the physics used. The hand feels them at its servo rate until the next
+   call. FW_NOTHING: the hand cannot take them now, because there was no tick yet or its servo stands still. FW_ENDED: the
+   run has ended.
+   Threads: one thread at a time, never waits. */
+FW_EXPORT int32_t fw_hand_touch(fw_hand* hand, double time, double reach, const fw_patch* patches, uint32_t struct_size, uint32_t count);
+
+/* The same, for physics that knows a force only. With a stiffness the hand feels the plane that has this force at that
+   position. Without one it feels the force as it is. Prefer fw_hand_touch(): a patch is felt before it pushes.
+   Threads: one thread at a time, never waits. */
+FW_EXPORT int32_t fw_hand_push(fw_hand* hand, const fw_wrench* wrench);
 
 /* Fills in the usual options. Call it first, with sizeof.
    Threads: any thread. */

@@ -29,8 +29,9 @@ int milliseconds(double seconds) {
 
 }  // namespace
 
-OpenHand::OpenHand(ClientOptions options, std::unique_ptr<Device> device, CallerDevice* caller)
-    : options_(std::move(options)), caller_(caller) {
+OpenHand::OpenHand(ClientOptions options, std::unique_ptr<Device> device, CallerDevice* caller,
+                   std::shared_ptr<SimulatorFeed> feed)
+    : options_(std::move(options)), caller_(caller), feed_(std::move(feed)) {
   options_.listener = this;
   await_ready(*device);
   run_.emplace(std::move(device), options_, static_cast<RunOutlet&>(*this));
@@ -70,6 +71,13 @@ bool OpenHand::exchange(const CallerDevice::Move& move, TickCopy& tick) noexcept
   }
   caller_->exchange(move, monotonic_now(), applied);
   return ticked;
+}
+
+bool OpenHand::touch(SimulatorContact contact, double time) noexcept {
+  TickCopy newest;
+  if (latest_.get(newest) == 0) return false;
+  contact.seen = Nanoseconds(newest.clock) - from_seconds(std::max(0.0, newest.time - time));
+  return feed_->put(contact);
 }
 
 void OpenHand::await_ready(Device& device) {

@@ -12,7 +12,9 @@
 #include "client/c_api/message_queue.hpp"
 #include "client/run/hand_run.hpp"
 #include "client/servo/event.hpp"
+#include "client/simulator/simulator_feed.hpp"
 #include "core/base/latest_value.hpp"
+#include "core/base/ring.hpp"
 
 namespace feltwire {
 
@@ -34,9 +36,10 @@ struct TickCopy {
 class OpenHand final : private RunOutlet, private TickListener {
  public:
   /// Joins the scene. `caller`: the device, if the program is the device itself; it lives as long
-  /// as the run. Throws as HandRun does, and std::runtime_error if the device is not ready for
-  /// force within a minute.
-  OpenHand(ClientOptions options, std::unique_ptr<Device> device, CallerDevice* caller);
+  /// as the run. `feed`: of the program's own simulator; null: a server has the scene. Throws
+  /// as HandRun does, and std::runtime_error if the device is not ready for force within a minute.
+  OpenHand(ClientOptions options, std::unique_ptr<Device> device, CallerDevice* caller,
+           std::shared_ptr<SimulatorFeed> feed = nullptr);
   ~OpenHand() override;
   OpenHand(const OpenHand&) = delete;
   OpenHand& operator=(const OpenHand&) = delete;
@@ -51,6 +54,12 @@ class OpenHand final : private RunOutlet, private TickListener {
   /// The program is the device. Gives a pose, and returns the force that the program must apply
   /// from now on, as latest() does. A single thread calls it; it never waits.
   bool exchange(const CallerDevice::Move& move, TickCopy& tick) noexcept;
+  /// Whether the program's own simulator says what the hand touches.
+  bool meets_simulator() const noexcept { return feed_ != nullptr; }
+  /// Says what the tool touches, as it was at the tick with this time [s]. False: there was no tick
+  /// yet, or the servo has not taken the contacts before this one. One thread at a time; it never
+  /// waits. Precondition: meets_simulator().
+  bool touch(SimulatorContact contact, double time) noexcept;
   /// The next tick that was not taken; false: there is none. One thread at a time.
   bool next(TickCopy& tick) noexcept { return ticks_.pop(tick); }
   /// Its warnings and notes, for the program's people.
@@ -74,6 +83,7 @@ class OpenHand final : private RunOutlet, private TickListener {
   static constexpr std::size_t kTicks = 1 << 14;
   ClientOptions options_;
   CallerDevice* caller_;
+  std::shared_ptr<SimulatorFeed> feed_;
   MessageQueue messages_;
   std::uint64_t number_ = 0;  // of ticks; servo thread
   LatestValue<TickCopy> latest_;

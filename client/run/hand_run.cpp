@@ -171,7 +171,8 @@ HandRun::HandRun(std::unique_ptr<Device> device, const RunOptions& options, RunO
   if (options.role != Role::observer) wanted.takes = options.takes;
   const GrantLimits limits{.hold_time = feels(options.role) ? options.longest_hold_time
                                                             : kLongestGrantedHold};
-  Joined joined = join(options.server, wanted, kControlTimeout, limits);
+  Joined joined =
+      options.join ? options.join(wanted) : join(options.server, wanted, kControlTimeout, limits);
   accepted_ = joined.accepted;
   datagrams_ = joined.datagrams;
   const auto transport = std::make_shared<Transport>(

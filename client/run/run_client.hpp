@@ -80,6 +80,8 @@ struct RunOptions {
   std::function<TrueEnergy()> true_energy = {};
   /// Opens the port for datagrams to the scene; empty: open_udp_port(). May throw SessionError.
   std::function<std::unique_ptr<DatagramPort>(const Address& scene)> open_port = {};
+  /// Joins the scene; empty: asks `server`. May throw SessionError.
+  std::function<Joined(const control::JoinRequest& request)> join = {};
 };
 
 /// Joins the scene and runs the servo loop in a thread of its own. The run ends when the duration

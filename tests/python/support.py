@@ -29,6 +29,11 @@ def _join(server, scene, _join=feltwire.hand.join, **options):
         options.update(stale_after=0.2, hold_time=1)
     return _join(server, scene, **{{**{PATIENT}, **options}})
 feltwire.hand.join = _join
+import feltwire.world
+class _World(feltwire.world.World):
+    def __init__(self, **options):
+        super().__init__(**{{**{PATIENT}, "hold_time": 1, **options}})
+feltwire.world.World = _World
 """
 
 

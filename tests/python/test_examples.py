@@ -54,9 +54,18 @@ class Examples(unittest.TestCase):
         self.assertGreater(said["none"], 0.1)
         self.assertLessEqual(said["contact_frame"], 1e-6 + said["none"])
 
+    def test_worlds(self):
+        self.assertRegex(self.run_example("world_platform.py", "2"), "the platform pushed with at most [1-9]")
+        self.assertRegex(self.run_example("world_tissue.py", "2"), "the tissue pushed with at most [1-9]")
+
+    @unittest.skipUnless(numpy, "NumPy is not installed")
+    def test_world_of_numpy(self):
+        self.assertRegex(self.run_example("world_cloth.py", "2"), r"the cloth pushed with at most (0\.[1-9]|[1-9])")
+
     def test_they_are_short_and_all_are_run(self):
         names = {path.name for path in FOLDER.glob("*.py")}
-        self.assertEqual(names, {"recording_to_numpy.py", "scene_by_program.py", "two_hands.py", "program_as_device.py", "lab_verb.py"})
+        self.assertEqual(names, {"recording_to_numpy.py", "scene_by_program.py", "two_hands.py", "program_as_device.py", "lab_verb.py",
+                                 "world_cloth.py", "world_platform.py", "world_tissue.py"})
         for name in names:
             self.assertLess(len((FOLDER / name).read_text().splitlines()), 80, name)
 

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from .scenes import Scene
     from .served import Server, play, serve
     from .tables import Table
+    from .world import Patch, World
 
 _PLACES = {
     "Admin": "admins", "admin": "admins",
@@ -39,10 +40,11 @@ _PLACES = {
     "Scene": "scenes",
     "Server": "served", "play": "served", "serve": "served",
     "Table": "tables",
+    "Patch": "world", "World": "world",
 }
 
-__all__ = ["Admin", "DamageWarning", "Error", "FileError", "Hand", "Observer", "Recording", "Refused", "Scene", "SceneError", "Server",
-           "ServerError", "Table", "admin", "aio", "join", "lab", "observe", "play", "plot", "read", "serve"]
+__all__ = ["Admin", "DamageWarning", "Error", "FileError", "Hand", "Observer", "Patch", "Recording", "Refused", "Scene", "SceneError",
+           "Server", "ServerError", "Table", "World", "admin", "aio", "join", "lab", "observe", "play", "plot", "read", "serve"]
 
 
 def __getattr__(name: str) -> Any:

@@ -78,6 +78,56 @@ class Tick(ctypes.Structure):
     ]
 
 
+class WorldOptions(ctypes.Structure):
+    """How a hand meets the physics of the program. A null text is not given."""
+    _fields_ = [
+        ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
+        ("reserved", ctypes.c_uint32),  # 0
+        ("name", ctypes.c_char_p),  # of this hand, for its recording
+        ("device", ctypes.c_char_p),  # as in hand_options
+        ("spec", ctypes.c_char_p),  # as in hand_options
+        ("duration", ctypes.c_double),  # [s] after which the run ends; 0: at fw_hand_close()
+        ("stale_after", ctypes.c_double),  # as in hand_options
+        ("stiffness", ctypes.c_double),  # [N/m] above 0: of the stiffest surface that the hand will meet
+        ("start_position", ctypes.c_double * 3),  # [m] a point on a surface, where a hand that does not know the scene begins
+        ("start_normal", ctypes.c_double * 3),  # unit normal of the surface there
+        ("more", ctypes.POINTER(ctypes.c_char_p)),  # as in hand_options
+        ("more_count", ctypes.c_uint32),  # number of these words
+    ]
+
+
+class Patch(ctypes.Structure):
+    """A surface near the tool, described around its point nearest to the tool. World frame."""
+    _fields_ = [
+        ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
+        ("reserved", ctypes.c_uint32),  # 0
+        ("point", ctypes.c_double * 3),  # [m] on the surface
+        ("normal", ctypes.c_double * 3),  # unit, towards the free side
+        ("stiffness", ctypes.c_double),  # [N/m] above 0
+        ("curvature", ctypes.c_double),  # [1/m] 1 / radius of a ball felt from outside, below 0 from inside; 0: a plane
+        ("axis", ctypes.c_double * 3),  # unit vector along which the surface is straight (a cylinder); zero: the same curve all ways
+        ("velocity", ctypes.c_double * 3),  # [m/s] of the surface
+        ("radius", ctypes.c_double),  # [m] within which the patch is right, from its point; 0: the reach
+        ("damping", ctypes.c_double),  # [N s/m] along the normal
+        ("static_friction", ctypes.c_double),  # coefficient, not below dynamic_friction
+        ("dynamic_friction", ctypes.c_double),  # coefficient
+        ("viscous_friction", ctypes.c_double),  # [N s/m] against sliding
+        ("object", ctypes.c_uint32),  # a number of the program's own, below 65536: friction sticks to an object from one call to the next
+    ]
+
+
+class Wrench(ctypes.Structure):
+    """A force and a torque of the surroundings on the hand. World frame."""
+    _fields_ = [
+        ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
+        ("reserved", ctypes.c_uint32),  # 0
+        ("time", ctypes.c_double),  # [s] fw_tick.time of the pose that it is for
+        ("force", ctypes.c_double * 3),  # [N]
+        ("torque", ctypes.c_double * 3),  # [N m]
+        ("stiffness", ctypes.c_double),  # [N/m] of the force when the tool moves along it; 0: not known
+    ]
+
+
 class ObserverOptions(ctypes.Structure):
     """How an observer joins a scene. A null text is not given."""
     _fields_ = [
@@ -191,6 +241,24 @@ TICK_DTYPE = {
 
 
 # numpy.dtype() takes it.
+PATCH_DTYPE = {
+    "names": ["struct_size", "reserved", "point", "normal", "stiffness", "curvature", "axis", "velocity", "radius", "damping", "static_friction", "dynamic_friction", "viscous_friction", "object"],
+    "formats": ["u4", "u4", ("f8", (3,)), ("f8", (3,)), "f8", "f8", ("f8", (3,)), ("f8", (3,)), "f8", "f8", "f8", "f8", "f8", "u4"],
+    "offsets": [0, 4, 8, 32, 56, 64, 72, 96, 120, 128, 136, 144, 152, 160],
+    "itemsize": 168,
+}
+
+
+# numpy.dtype() takes it.
+WRENCH_DTYPE = {
+    "names": ["struct_size", "reserved", "time", "force", "torque", "stiffness"],
+    "formats": ["u4", "u4", "f8", ("f8", (3,)), ("f8", (3,)), "f8"],
+    "offsets": [0, 4, 8, 16, 40, 64],
+    "itemsize": 72,
+}
+
+
+# numpy.dtype() takes it.
 SCENE_STATE_DTYPE = {
     "names": ["struct_size", "reserved", "number", "time", "age", "hands", "bodies", "connected", "left_out"],
     "formats": ["u4", "u4", "u8", "f8", "f8", "u4", "u4", "u4", "u4"],
@@ -249,6 +317,18 @@ def declare(library):
     library.fw_hand_stop.argtypes = [ctypes.c_void_p]
     library.fw_hand_close.restype = ctypes.c_int32
     library.fw_hand_close.argtypes = [ctypes.c_void_p]
+    library.fw_world_options_default.restype = None
+    library.fw_world_options_default.argtypes = [ctypes.POINTER(WorldOptions), ctypes.c_uint32]
+    library.fw_patch_default.restype = None
+    library.fw_patch_default.argtypes = [ctypes.POINTER(Patch), ctypes.c_uint32]
+    library.fw_wrench_default.restype = None
+    library.fw_wrench_default.argtypes = [ctypes.POINTER(Wrench), ctypes.c_uint32]
+    library.fw_hand_open_world.restype = ctypes.c_int32
+    library.fw_hand_open_world.argtypes = [ctypes.POINTER(WorldOptions), ctypes.POINTER(ctypes.c_void_p)]
+    library.fw_hand_touch.restype = ctypes.c_int32
+    library.fw_hand_touch.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.POINTER(Patch), ctypes.c_uint32, ctypes.c_uint32]
+    library.fw_hand_push.restype = ctypes.c_int32
+    library.fw_hand_push.argtypes = [ctypes.c_void_p, ctypes.POINTER(Wrench)]
     library.fw_observer_options_default.restype = None
     library.fw_observer_options_default.argtypes = [ctypes.POINTER(ObserverOptions), ctypes.c_uint32]
     library.fw_observer_open.restype = ctypes.c_int32

@@ -1,0 +1,107 @@
+#include "client/c_api/hand_opening.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+
+#include "client/app/open_client.hpp"
+#include "client/c_api/caller_device.hpp"
+#include "client/servo/device_input.hpp"
+#include "core/device/device_file.hpp"
+
+namespace feltwire {
+namespace {
+
+/// Returns a number as text that is the same in every locale.
+std::string number(double value) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return {text.data(), end};
+}
+
+[[noreturn]] void refuse(const HandRequest& request, const std::string& what) {
+  throw std::invalid_argument(std::string(request.options) + "." + what);
+}
+
+/// Throws std::invalid_argument for an option that has no meaning in a library.
+void require_meaning(const HandRequest& request, const std::string& word) {
+  constexpr std::array kOfTheProgram = {"--help",  "--help-all",   "--version", "--list",
+                                        "--check", "--list-specs", "--report",  "--rehearsal"};
+  for (const char* option : kOfTheProgram)
+    if (word == option || word.starts_with(std::string(option) + "="))
+      refuse(request, "more: " + word + " is for feltwire-client only");
+}
+
+/// Returns the words of feltwire-client for this request.
+std::vector<std::string> command_line(const HandRequest& request, bool caller) {
+  std::vector<std::string> words = request.place;
+  const auto add = [&](const char* option, const char* value) {
+    if (value != nullptr) words.insert(words.end(), {option, value});
+  };
+  add("--name", request.name);
+  // A person may hold what the program moves: the limits are those of a plugin.
+  add("--device", caller ? "plugin:caller" : request.device);
+  add("--spec", request.spec);
+  add("--duration", number(request.duration).c_str());
+  if (request.more_count > 0 && request.more == nullptr)
+    refuse(request, "more is null, and more_count is not 0");
+  for (std::uint32_t i = 0; i < request.more_count; ++i) {
+    if (request.more[i] == nullptr) refuse(request, "more has a null word");
+    require_meaning(request, request.more[i]);
+    words.emplace_back(request.more[i]);
+  }
+  const auto is_recorder = [](const std::string& word) {
+    return word.starts_with("--flight-recorder");
+  };
+  if (std::ranges::none_of(words, is_recorder)) add("--flight-recorder", "off");
+  return words;
+}
+
+std::unique_ptr<CallerDevice> caller_device(const HandRequest& request, ClientOptions& options) {
+  const double longest = kDevicePatience * options.parameters.hold_time;
+  if (!(request.stale_after >= 1e-3 && request.stale_after < longest))
+    refuse(request, "stale_after must be from 0.001 s to less than a quarter of the hold time, " +
+                        std::to_string(longest) +
+                        " s; move the hand more often, or give a longer --hold-time");
+  options.device_kind = "caller";
+  options.takes = {};  // a person may hold what the program moves
+  return std::make_unique<CallerDevice>(requested_spec(options.device.spec, "simulated").spec,
+                                        request.stale_after);
+}
+
+}  // namespace
+
+std::unique_ptr<OpenHand> open_hand(const HandRequest& request, const SimulatorScene* simulator) {
+  const bool is_caller = request.device != nullptr && std::strcmp(request.device, "caller") == 0;
+  ClientOptions options = options_of(command_line(request, is_caller), simulator == nullptr);
+  options.rehearses = false;  // it prints
+  std::shared_ptr<SimulatorFeed> feed;
+  options.open_port = port_opener(options);
+  if (simulator != nullptr) {
+    if (options.link) refuse(request, "more: --link needs a server");
+    feed = meet_simulator(options, *simulator);
+  }
+  OpenedDevice opened;
+  CallerDevice* caller = nullptr;
+  if (is_caller) {
+    auto device = caller_device(request, options);
+    caller = device.get();
+    opened.device = std::move(device);
+  } else {
+    opened = options.driver->open(options.device);
+  }
+  const std::vector<std::string> notes = std::move(opened.notes);
+  auto device = hand_device(std::move(opened), options);
+  auto hand = std::make_unique<OpenHand>(std::move(options), std::move(device), caller, feed);
+  for (const std::string& note : notes) hand->messages().keep("note: " + note);
+  return hand;
+}
+
+std::int32_t no_hand() noexcept {
+  return fail(FW_ERROR_ARGUMENT, "the hand is null, or another process opened it");
+}
+
+}  // namespace feltwire

@@ -1,0 +1,178 @@
+// The functions of feltwire.h for a hand whose surroundings the program computes.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "client/c_api/c_call.hpp"
+#include "client/c_api/feltwire.h"
+#include "client/c_api/hand_opening.hpp"
+#include "core/local_model/local_model.hpp"
+#include "protocol/session/session_parameters.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr double kLongestReach = 1.0;  // [m]
+constexpr double kFarthest = 1e3;      // [m]
+constexpr double kMostFriction = 1e3;
+constexpr double kMostForce = 1e4;  // [N], [N m]
+constexpr double kUnitError = 1e-3;
+
+fw_world_options usual_world() noexcept {
+  fw_world_options options{};
+  options.struct_size = sizeof options;
+  options.name = "libfeltwire";
+  options.device = "simulated";
+  options.stale_after = 0.02;
+  options.start_normal[2] = 1.0;
+  return options;
+}
+
+fw_patch usual_patch() noexcept {
+  fw_patch patch{};
+  patch.struct_size = sizeof patch;
+  patch.normal[2] = 1.0;
+  patch.stiffness = 1000.0;
+  return patch;
+}
+
+fw_wrench usual_wrench() noexcept {
+  fw_wrench wrench{};
+  wrench.struct_size = sizeof wrench;
+  return wrench;
+}
+
+void require(bool holds, const std::string& what) {
+  if (!holds) throw std::invalid_argument(what);
+}
+
+Vec3 vector(const double (&from)[3]) { return {from[0], from[1], from[2]}; }
+bool is_unit(const Vec3& v) { return std::abs(v.norm() - 1.0) < kUnitError; }
+bool is_within(double value, double least, double most) { return value >= least && value <= most; }
+
+SurfacePatch to_patch(const fw_patch& from, double reach, std::uint32_t index) {
+  const std::string patch = "patches[" + std::to_string(index) + "].";
+  SurfacePatch to;
+  to.point = vector(from.point);
+  to.normal = vector(from.normal);
+  to.axis = vector(from.axis);
+  to.velocity = vector(from.velocity);
+  to.curvature = from.curvature;
+  to.radius = from.radius > 0.0 ? from.radius : reach;
+  to.material = {from.stiffness, from.damping, from.static_friction, from.dynamic_friction,
+                 from.viscous_friction};
+  to.object = static_cast<std::uint16_t>(from.object);
+  require(to.point.norm() < kFarthest, patch + "point is not a number, or farther than 1 km away");
+  require(is_unit(to.normal), patch + "normal is no unit vector");
+  require(to.axis.isZero(0.0) || is_unit(to.axis),
+          patch + "axis is neither zero nor a unit vector");
+  require(to.velocity.norm() < kFarthest, patch + "velocity is not a number, or above 1 km/s");
+  require(std::isfinite(to.curvature), patch + "curvature is not a number");
+  require(is_within(to.radius, 0.0, kFarthest), patch + "radius must be 0 to 1000 m");
+  require(to.material.stiffness > 0.0 && to.material.stiffness <= kStiffest,
+          patch + "stiffness must be above 0 and at most 1e9 N/m");
+  require(is_within(to.material.damping, 0.0, kStiffest), patch + "damping must be 0 or more");
+  require(is_within(to.material.dynamic_friction, 0.0, to.material.static_friction) &&
+              to.material.static_friction <= kMostFriction,
+          patch + "dynamic_friction must be 0 to static_friction");
+  require(is_within(to.material.viscous_friction, 0.0, kStiffest),
+          patch + "viscous_friction must be 0 or more");
+  require(from.object <= 0xFFFF, patch + "object must be below 65536");
+  to.anchor = to.point;
+  return to;
+}
+
+/// Throws std::invalid_argument if the hand has no simulator.
+OpenHand& with_simulator(fw_hand* hand) {
+  require(hand->object->meets_simulator(),
+          "the hand is in a scene of a server: open it by fw_hand_open_world()");
+  return *hand->object;
+}
+
+std::int32_t give(OpenHand& hand, const SimulatorContact& contact, double time) {
+  require(std::isfinite(time), "time is not a number");
+  if (hand.over()) return FW_ENDED;
+  return hand.touch(contact, time) ? FW_OK : FW_NOTHING;
+}
+
+}  // namespace
+}  // namespace feltwire
+
+using namespace feltwire;
+
+void fw_world_options_default(fw_world_options* options, std::uint32_t struct_size) {
+  if (options != nullptr) write_struct(usual_world(), options, struct_size);
+}
+
+void fw_patch_default(fw_patch* patch, std::uint32_t struct_size) {
+  if (patch != nullptr) write_struct(usual_patch(), patch, struct_size);
+}
+
+void fw_wrench_default(fw_wrench* wrench, std::uint32_t struct_size) {
+  if (wrench != nullptr) write_struct(usual_wrench(), wrench, struct_size);
+}
+
+std::int32_t fw_hand_open_world(const fw_world_options* options, fw_hand** hand) {
+  return guarded([&] {
+    require(hand != nullptr, "hand is null");
+    *hand = nullptr;
+    const fw_world_options given = read_struct(options, usual_world(), "world_options");
+    const SimulatorScene scene{.stiffness = given.stiffness,
+                               .start_position = vector(given.start_position),
+                               .start_normal = vector(given.start_normal)};
+    const HandRequest request("world_options", {}, given);
+    auto opened = std::make_unique<fw_hand>();
+    opened->object = open_hand(request, &scene);
+    *hand = opened.release();
+    return FW_OK;
+  });
+}
+
+std::int32_t fw_hand_touch(fw_hand* hand, double time, double reach, const fw_patch* patches,
+                           std::uint32_t struct_size, std::uint32_t count) {
+  if (!is_open(hand)) return no_hand();
+  return guarded([&] {
+    OpenHand& open = with_simulator(hand);
+    require(reach > 0.0 && reach <= kLongestReach, "reach must be above 0 and at most 1 m");
+    require(count <= kMaxPatches,
+            "count must be at most 3: give the nearest patches, and a shorter reach");
+    require(count == 0 || (patches != nullptr && is_size(struct_size)),
+            "patches is null, or struct_size is not the size of one");
+    SimulatorContact contact;
+    contact.modelled = true;
+    contact.model.reach = reach;
+    contact.model.count = static_cast<int>(count);
+    const auto* at = reinterpret_cast<const unsigned char*>(patches);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      fw_patch given{};
+      std::memcpy(&given, at + std::size_t{i} * struct_size,
+                  std::min<std::size_t>(sizeof given, struct_size));
+      given.struct_size = struct_size;
+      contact.model.patches[i] = to_patch(given, reach, i);
+    }
+    return give(open, contact, time);
+  });
+}
+
+std::int32_t fw_hand_push(fw_hand* hand, const fw_wrench* wrench) {
+  if (!is_open(hand)) return no_hand();
+  return guarded([&] {
+    OpenHand& open = with_simulator(hand);
+    const fw_wrench given = read_struct(wrench, usual_wrench(), "wrench");
+    SimulatorContact contact;
+    contact.command.elastic = vector(given.force);
+    contact.command.torque = vector(given.torque);
+    contact.stiffness = given.stiffness;
+    require(contact.command.elastic.norm() < kMostForce,
+            "wrench.force is not a number, or above 10 kN");
+    require(contact.command.torque.norm() < kMostForce,
+            "wrench.torque is not a number, or above 10 kN m");
+    require(is_within(given.stiffness, 0.0, kStiffest), "wrench.stiffness must be 0 to 1e9 N/m");
+    return give(open, contact, given.time);
+  });
+}

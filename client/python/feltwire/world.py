@@ -1,0 +1,137 @@
+"""A hand in the world of a simulator: MuJoCo, PyBullet, Isaac, or physics of your own."""
+from __future__ import annotations
+
+import ctypes
+import os
+import time as clock
+from typing import Any, Callable, Iterable, Iterator, NamedTuple, Optional, Sequence, Tuple
+
+from . import abi
+from .hand import Hand, _raise
+from .library import BLOCKING, QUICK
+from .options import words
+
+Vector = Sequence[float]
+_NONE = (0.0, 0.0, 0.0)
+
+
+class Patch(NamedTuple):
+    """A surface near the tool, described around its point nearest to the tool. World frame."""
+
+    point: Vector
+    """[m] on the surface"""
+    normal: Vector
+    """unit, towards the free side"""
+    stiffness: float
+    """[N/m] above 0"""
+    curvature: float = 0.0
+    """[1/m] 1/radius of a ball felt from outside, below 0 from inside, 0: a plane"""
+    axis: Vector = _NONE
+    """unit vector along which the surface is straight (a cylinder); zero: the same curve all ways"""
+    velocity: Vector = _NONE
+    """[m/s] of the surface"""
+    radius: float = 0.0
+    """[m] within which the patch is right, from its point; 0: the reach"""
+    damping: float = 0.0
+    """[N s/m] along the normal"""
+    static_friction: float = 0.0
+    dynamic_friction: float = 0.0
+    viscous_friction: float = 0.0
+    """[N s/m] against sliding"""
+    object: int = 0
+    """a number of your own: friction sticks to an object from one call to the next"""
+
+
+class World(Hand):
+    """A hand whose surroundings your program computes, at 60 to 1000 Hz. The hand feels them at its servo rate, behind the same bound,
+    energy account and limits as in a scene of a server. If your program pauses, the force fades within the hold time (0.1 s).
+
+    device, spec, name, duration, stale_after and all other keywords: as in feltwire.join(). stiffness [N/m]: of the stiffest surface
+    that the hand will meet. start [m], normal: a point on a surface and the unit normal there, where a simulated hand begins.
+
+    Raises ValueError for a wrong option, or Error. Use it in a `with` block, or call close().
+    """
+
+    def __init__(self, *, stiffness: float, start: Vector = _NONE, normal: Vector = (0.0, 0.0, 1.0), device: str = "simulated",
+                 spec: Optional[str] = None, name: str = "python", duration: float = 0.0, stale_after: float = 0.02, **options: Any):
+        given = abi.WorldOptions()
+        BLOCKING.fw_world_options_default(given, ctypes.sizeof(given))
+        given.stiffness = stiffness
+        given.start_position[:], given.start_normal[:] = start, normal
+        given.device, given.name = os.fsencode(device), os.fsencode(name)
+        given.spec = None if spec is None else os.fsencode(spec)
+        given.duration, given.stale_after = duration, stale_after
+        more = [os.fsencode(word) for word in words(options)]
+        given.more, given.more_count = (ctypes.c_char_p * max(len(more), 1))(*more), len(more)
+        handle = ctypes.c_void_p()
+        if (result := BLOCKING.fw_hand_open_world(given, handle)) < 0:
+            _raise(result)
+        super().__init__(handle)
+        self._patches = (abi.Patch * 3)()
+        self._wrench = abi.Wrench()
+        BLOCKING.fw_wrench_default(self._wrench, ctypes.sizeof(self._wrench))
+        for patch in self._patches:
+            BLOCKING.fw_patch_default(patch, ctypes.sizeof(patch))
+
+    def touch(self, patches: Iterable[Patch], reach: float, time: Optional[float] = None) -> bool:
+        """Says which surfaces are within `reach` [m] of the tool: at most three patches; none: nothing is there.
+
+        time [s]: that of the tick whose position your physics used; None: the newest one. Returns False if the hand cannot take them
+        now: there was no tick yet, or the servo stands still. Raises ValueError for a patch that is not possible.
+        """
+        given = list(patches)
+        if len(given) > len(self._patches):
+            raise ValueError(f"{len(given)} patches: at most 3 can be given. Give the nearest, and a shorter reach")
+        for to, patch in zip(self._patches, given):
+            for field, value in zip(Patch._fields, patch):
+                if isinstance(getattr(to, field), ctypes.Array):
+                    getattr(to, field)[:] = value
+                else:
+                    setattr(to, field, value)
+        return self._given(QUICK.fw_hand_touch(self._open(), self._time(time), reach, self._patches, ctypes.sizeof(abi.Patch), len(given)))
+
+    def push(self, force: Vector, stiffness: float = 0.0, torque: Vector = _NONE, time: Optional[float] = None) -> bool:
+        """Says the force [N] and the torque [N m] of the surroundings on the hand. With a stiffness [N/m] the hand feels the plane that
+        has this force at the position of that time; without one the force as it is. Prefer touch(): a patch is felt before it pushes.
+
+        time and the result: as for touch().
+        """
+        wrench = self._wrench
+        wrench.force[:], wrench.torque[:] = force, torque
+        wrench.stiffness, wrench.time = stiffness, self._time(time)
+        return self._given(QUICK.fw_hand_push(self._open(), wrench))
+
+    @staticmethod
+    def _given(result: int) -> bool:
+        if result < 0:
+            _raise(result)
+        return result == abi.OK
+
+    def _time(self, time: Optional[float]) -> float:
+        if time is not None:
+            return time
+        newest = self.latest()
+        return newest.time if newest is not None else 0.0
+
+    def paced(self, rate: float, duration: Optional[float] = None) -> Iterator[float]:
+        """Yields the time [s] since the call, `rate` times a second from the first tick on, until the run has ended or for `duration` [s].
+        Work that takes longer than a period delays the next one; none is made up for."""
+        while self.latest() is None:
+            if self.wait(0.001):
+                return
+        begin = due = clock.monotonic()
+        while duration is None or due - begin < duration:
+            yield due - begin
+            due = max(due + 1.0 / rate, clock.monotonic())
+            if self.wait(max(0.0, due - clock.monotonic())):
+                return
+
+    def run(self, physics: Callable[[Tuple[float, ...], float], Iterable[Patch]], *, reach: float, rate: float = 100.0,
+            duration: Optional[float] = None) -> None:
+        """Calls physics(position [m], time [s]) as paced() does, and gives its patches to the hand, which are all surfaces within
+        `reach` [m]."""
+        for _ in self.paced(rate, duration):
+            tick = self.latest()
+            if tick is not None:
+                time = tick.time
+                self.touch(physics(tuple(tick.position), time), reach, time)
