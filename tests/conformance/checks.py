@@ -1,0 +1,61 @@
+"""The list of checks, and how one is judged. A check is a function that raises Failure, or returns what it saw."""
+import time
+import traceback
+
+LONGEST = 20.0  # [s] for what must happen
+REGISTRY = {"server": [], "client": []}
+
+
+class Failure(Exception):
+    """The other end did not do what the sentence says; the text says what was seen."""
+
+
+class Check:
+    def __init__(self, identity, sentence, function, needs):
+        self.identity, self.sentence, self.function, self.needs = identity, " ".join(sentence.split()), function, needs
+
+
+def check(identity, sentence, needs=""):
+    """Adds a check. `needs`: empty, or a property of the subject without which the check cannot be made."""
+    side = "server" if identity.startswith("S") else "client"
+
+    def add(function):
+        if any(other.identity == identity for other in REGISTRY[side]):
+            raise ValueError(f"{identity} is there twice")
+        REGISTRY[side].append(Check(identity, sentence, function, needs))
+        return function
+    return add
+
+
+def expect(condition, seen):
+    if not condition:
+        raise Failure(seen)
+
+
+def eventually(condition, what, seconds=LONGEST):
+    """Waits for a condition; its value."""
+    end = time.monotonic() + seconds
+    while True:
+        value = condition()
+        if value:
+            return value
+        if time.monotonic() > end:
+            raise Failure(f"it did not happen within {seconds} s: {what}")
+        time.sleep(0.002)
+
+
+def judge(one, subject):
+    """(passed, what was seen) of one check."""
+    try:
+        return True, one.function(subject) or "as the text says"
+    except Failure as failure:
+        return False, str(failure)
+    except Exception as error:  # a closed connection, a table that cannot be read: the check saw something else than it expected
+        place = traceback.extract_tb(error.__traceback__)[-1]
+        return False, f"{type(error).__name__}: {error} ({place.name}, line {place.lineno})"
+
+
+def report(one, passed, seen):
+    print(f"{one.identity} {'passed' if passed else 'FAILED'}: {seen}", flush=True)
+    if not passed:
+        print(f"     the text: {one.sentence}", flush=True)
