@@ -5,8 +5,11 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 import checks  # noqa: E402
+import checks_admin  # noqa: E402,F401
 import checks_control  # noqa: E402,F401
 import checks_datagram  # noqa: E402,F401
+import checks_roles  # noqa: E402,F401
+import checks_session  # noqa: E402,F401
 from server_process import Server  # noqa: E402
 
 
@@ -20,7 +23,8 @@ def main(words):
     program, wanted, failed = Path(words[0]) / "feltwire-server", words[1:], 0
     server = Server(program)
     try:
-        for one in checks.REGISTRY["server"]:
+        server.begin_silence()
+        for one in sorted(checks.REGISTRY["server"], key=lambda one: one.identity):
             if not wanted or one.identity in wanted:
                 passed, seen = checks.judge(one, server)
                 checks.report(one, passed, seen)

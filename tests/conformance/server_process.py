@@ -4,6 +4,8 @@ import shutil
 import signal
 import subprocess
 import tempfile
+import threading
+import time
 from pathlib import Path
 
 from control import ROLES, Control
@@ -16,23 +18,29 @@ class Server:
     """What the checks need of a server: host, port, scene, fingerprint, tokens by role, and the end."""
 
     host = "127.0.0.1"
-    is_model = False
-    roles = ("observer", "pointer", "operator", "admin", "other")
+    has = ("changes", "materials", "limits", "models", "surfaces", "tools", "robots", "tokens", "slow")
+    scenes = ("scenes/plane.json", "scenes/bunny.json", "scenes/mallet.json", "scenes/teleoperation/seat.json")
+    offsets = {"plane": 1, "bunny": 2, "mallet": 3, "seat": 4}
+    most_sessions = 20
+    burst = 200  # of joins, changes and questions: the checks make more of them than a client does
+    tokens_of = {  # name -> role, scene
+        "observer": ("observer", "*"), "pointer": ("pointer", "*"), "operator": ("operator", "*"), "admin": ("admin", "*"),
+        "other": ("operator", "*"), "doomed": ("operator", "*"), "narrow": ("operator", "mallet"), "follower": ("follower", "seat"),
+        "follower_elsewhere": ("follower", "plane")}
 
-    def __init__(self, program, scenes=("scenes/plane.json",), options=(), config=None):
+    def __init__(self, program):
         self.folder = Path(tempfile.mkdtemp(prefix="feltwire-conformance-"))
         self.program, self.tokens = program, {}
-        self.scene = Path(scenes[0]).stem
+        self.scene, self.silence = "plane", None
         state = self.folder / "state"
         state.mkdir(mode=0o700)
-        for role in self.roles:
-            self.add_token(role, "operator" if role == "other" else role, "*")
-        command = [program, "--state", state, "--port", "0", "--log-level", "warning", *options]
-        for scene in scenes:
+        for name, (role, scene) in self.tokens_of.items():
+            self.add_token(name, role, scene)
+        config = self.folder / "config.json"
+        config.write_text(f'{{"max_sessions_per_scene": {self.most_sessions}}}', encoding="utf-8")
+        command = [program, "--state", state, "--port", "0", "--log-level", "warning", "--join-burst", str(self.burst), "--config", config]
+        for scene in self.scenes:
             command += ["--scene", SOURCE / scene]
-        if config is not None:
-            (self.folder / "config.json").write_text(config, encoding="utf-8")
-            command += ["--config", self.folder / "config.json"]
         environment = {key: value for key, value in os.environ.items() if not key.startswith("FELTWIRE_")}
         self.log = open(self.folder / "log", "wb")
         self.process = subprocess.Popen([str(word) for word in command], stdout=subprocess.PIPE, stderr=self.log, text=True, env=environment)
@@ -48,8 +56,7 @@ class Server:
 
     def add_token(self, name, role, scene):
         file = self.folder / f"{name}.token"
-        client = {"other": "somebody"}.get(name, f"{name}-client")
-        subprocess.run([str(self.program), "token", "add", "--state", str(self.folder / "state"), "--client", client, "--scene", scene,
+        subprocess.run([str(self.program), "token", "add", "--state", str(self.folder / "state"), "--client", f"{name}-client", "--scene", scene,
                         "--role", role, "--expires", "never", "--out", str(file)], check=True, stdout=subprocess.PIPE, timeout=LONGEST)
         self.tokens[name] = file.read_text().strip()
 
@@ -63,10 +70,27 @@ class Server:
 
     @staticmethod
     def role_number(role):
-        return ROLES[{"other": "operator"}.get(role, role)]
+        return ROLES[role]
 
     def control(self, role=None):
         return Control(self, self.token(role) if role else None)
+
+    def begin_silence(self):
+        """Opens a connection that shows no token, and notes when the server closes it."""
+        control = self.control()
+        control.patience(LONGEST)
+        begin = time.monotonic()
+
+        def wait():
+            self.silence_took = time.monotonic() - begin if control.closes() else None
+            control.close()
+        self.silence = threading.Thread(target=wait)
+        self.silence.start()
+
+    def silent_connection_closed(self):
+        """[s] until that connection was closed; None if it was not."""
+        self.silence.join()
+        return self.silence_took
 
     def end(self):
         """Asks the server to end, as Ctrl-C does."""
