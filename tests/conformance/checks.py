@@ -2,7 +2,8 @@
 import time
 import traceback
 
-LONGEST = 20.0  # [s] for what must happen
+import patience
+
 REGISTRY = {"server": [], "client": []}
 
 
@@ -32,8 +33,9 @@ def expect(condition, seen):
         raise Failure(seen)
 
 
-def eventually(condition, what, seconds=LONGEST):
+def eventually(condition, what, seconds=None):
     """Waits for a condition; its value."""
+    seconds = patience.LONGEST if seconds is None else seconds
     end = time.monotonic() + seconds
     while True:
         value = condition()

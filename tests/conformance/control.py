@@ -4,9 +4,9 @@ import struct
 
 import flat
 import openssl
+import patience
 from schema import CONTROL
 
-LONGEST = 20.0  # [s] for an answer, on a busy machine too
 CODES = CONTROL.enums["RefusalCode"].values
 ROLES = CONTROL.enums["Role"].values
 SIDES = CONTROL.enums["BoundingSide"].values
@@ -31,8 +31,8 @@ class Control:
     """A connection to a server's control port. With a token it authenticates at once."""
 
     def __init__(self, server, token=None, version=openssl.TLS13):
-        sock = socket.create_connection((server.host, server.port), timeout=LONGEST)
-        self._patience(sock, LONGEST)
+        sock = socket.create_connection((server.host, server.port), timeout=patience.LONGEST)
+        self.set_patience(sock, patience.LONGEST)
         self.sock, self.server = sock, server
         try:
             self.tls = openssl.Tls(sock, version=version)
@@ -43,14 +43,14 @@ class Control:
             self.identity = self.ask("Authenticate", token=token)
 
     @staticmethod
-    def _patience(sock, seconds):
+    def set_patience(sock, seconds):
         sock.settimeout(None)
         time = struct.pack("@ll", int(seconds), int(seconds % 1 * 1e6))
         sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, time)
         sock.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, time)
 
     def patience(self, seconds):
-        self._patience(self.sock, seconds)
+        self.set_patience(self.sock, seconds)
 
     def ask_any(self, name, **fields):
         """The answer of any kind, as (name, value)."""

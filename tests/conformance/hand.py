@@ -4,11 +4,10 @@ import socket
 import time
 
 import flat
+import patience
 import sealing
 from control import Control, join_request
 from schema import DATAGRAM
-
-LONGEST = 20.0  # [s] for a datagram that must come
 
 
 class Hand:
@@ -64,9 +63,9 @@ class Hand:
     def goodbye(self, reason=0):
         return self.send(self.seal(flat.write(DATAGRAM, "Goodbye", {"reason": reason}), kind=sealing.GOODBYE))
 
-    def datagram(self, seconds=LONGEST, sock=None):
+    def datagram(self, seconds=None, sock=None):
         """The next datagram as it came; None if there is none in time."""
-        sock = sock or self.socket
+        sock, seconds = sock or self.socket, patience.LONGEST if seconds is None else seconds
         if not select.select([sock], [], [], seconds)[0]:
             return None
         return sock.recv(65536)
@@ -80,7 +79,7 @@ class Hand:
             raise flat.Malformed("the seal of the server's datagram is wrong")
         return head, flat.read(DATAGRAM, {2: "Reply", 3: "Goodbye"}.get(head.kind, "?"), payload)
 
-    def reply(self, seconds=LONGEST, sock=None):
+    def reply(self, seconds=None, sock=None):
         """(head, table) of the next datagram; None if there is none in time."""
         datagram = self.datagram(seconds, sock)
         return None if datagram is None else self.read(datagram)
