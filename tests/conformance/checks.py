@@ -7,6 +7,9 @@ import patience
 REGISTRY = {"server": [], "client": []}
 
 
+TIMED_OUT = "it did not happen within"
+
+
 class Failure(Exception):
     """The other end did not do what the sentence says; the text says what was seen."""
 
@@ -42,7 +45,7 @@ def eventually(condition, what, seconds=None):
         if value:
             return value
         if time.monotonic() > end:
-            raise Failure(f"it did not happen within {seconds} s: {what}")
+            raise Failure(f"{TIMED_OUT} {seconds} s: {what}")
         time.sleep(0.002)
 
 

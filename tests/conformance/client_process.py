@@ -7,6 +7,7 @@ import tempfile
 from pathlib import Path
 
 import patience
+from checks import TIMED_OUT, Failure
 
 MODEL = Path(__file__).resolve().parent / "model_client.py"
 # The law `none` holds what the server commands, so that what a reply does is seen in the samples behind it.
@@ -53,7 +54,9 @@ class Run:
                 out, err = self.process.communicate(timeout=patience.LONGEST + 10)
             except subprocess.TimeoutExpired:
                 self.process.kill()
-                out, err = self.process.communicate()
+                self.process.communicate()
+                self.output = ""
+                raise Failure(f"{TIMED_OUT} {patience.LONGEST + 10} s: the end of the client") from None
             self.output = out + err
         return self.process.returncode, self.output
 

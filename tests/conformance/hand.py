@@ -6,6 +6,7 @@ import time
 import flat
 import patience
 import sealing
+from checks import TIMED_OUT, Failure
 from control import Control, join_request
 from schema import DATAGRAM
 
@@ -89,7 +90,7 @@ class Hand:
         self.send(self.tell(*positions, **fields), sock)
         answer = self.reply(sock=sock)
         if answer is None:
-            raise TimeoutError("no reply came")
+            raise Failure(f"{TIMED_OUT} {patience.LONGEST} s: a reply")
         return answer[1]
 
     def close(self, leave=True):

@@ -15,7 +15,8 @@ import flat  # noqa: E402
 import openssl  # noqa: E402
 import sealing  # noqa: E402
 from control import DEVICE, Control, Refused, join_request  # noqa: E402
-from grants import wrong_grant  # noqa: E402
+from grants import same, wrong_grant  # noqa: E402
+from model_session import finite  # noqa: E402
 from schema import DATAGRAM  # noqa: E402
 
 HEALING = ("full", "shutting_down", "too_many", "failed")
@@ -29,13 +30,15 @@ class Final(Exception):
 
 
 class Dropped(Exception):
-    pass
+    """A datagram fails the check of this name."""
 
 
 class Address:
-    def __init__(self, text, fingerprint):
+    """The host and the control port of a server."""
+
+    def __init__(self, text):
         self.host, port = text.rsplit(":", 1)
-        self.port, self.fingerprint = int(port), fingerprint
+        self.port = int(port)
 
 
 class Gate:
@@ -55,9 +58,11 @@ class Gate:
             raise Dropped("header")
         if (head.reserved != 0 and wrong != "any_reserved") or (head.session != self.session and wrong != "any_session"):
             raise Dropped("header")
-        if head.packet == 0 or (head.packet in self.seen and wrong != "replay_taken") or head.packet + WINDOW <= self.highest:
+        if head.packet == 0 or (head.packet in self.seen and wrong != "replay_taken") or (
+                head.packet + WINDOW <= self.highest and wrong != "window_open"):
             raise Dropped("packet_number")
-        if abs((head.packet >> 22) - (self.highest >> 22)) > 1:
+        generations = 0 if wrong == "one_generation" else 1
+        if abs((head.packet >> 22) - (self.highest >> 22)) > generations:
             raise Dropped("sealed")
         payload = datagram[24:-16] if wrong == "unsealed_taken" else self.down.open(datagram)
         if payload is None and wrong == "goodbye_unsealed_taken" and head.kind == 3:
@@ -83,10 +88,13 @@ class Gate:
         wrong = self.wrong
         if table.sample_index == 0:
             raise Dropped("order")
-        numbers = [*table.elastic.values(), *table.frictional.values()]
-        if not all(map(math.isfinite, numbers)) and wrong != "nan_taken":
+        if (table.normals is not None and len(table.normals) not in (2, 3)) or (table.change and not 1 <= table.change.number <= 63):
+            raise Dropped("count")
+        if not finite(table) and wrong != "nan_taken":
             raise Dropped("not_finite")
-        if any(abs(number) > 1e12 for number in numbers) and wrong != "huge_taken":
+        if any(abs(sum(part * part for part in normal.values()) - 1) > 1e-3 for normal in table.normals or []):
+            raise Dropped("not_finite")
+        if any(abs(part) > 1e12 for part in [*table.elastic.values(), *table.frictional.values()]) and wrong != "huge_taken":
             raise Dropped("not_finite")
         if table.sample_index not in self.sent and wrong != "never_sent_taken":
             raise Dropped("stale")
@@ -99,33 +107,44 @@ class Gate:
 
 
 class Force:
-    """The command, and what of it is held by its age."""
+    """The command, how it changes by itself, and what of it is held by its age."""
 
-    def __init__(self, hold, wrong):
-        self.hold = hold * (2 if wrong == "holds_longer" else 1)
-        self.wrong, self.command, self.arrived, self.share, self.last = wrong, (0.0, 0.0, 0.0), None, 0.0, None
+    def __init__(self, parameters, wrong):
+        self.hold, self.keep_alive, self.wrong = parameters.hold_time * (2 if wrong == "holds_longer" else 1), parameters.keep_alive, wrong
+        self.command, self.rate, self.since, self.arrived = (0.0, 0.0, 0.0), None, 0.0, None
+        self.share, self.last = None, None
 
-    def set(self, command, now):
+    def set(self, reply, now):
+        command = tuple(reply.elastic.values())
         size = math.sqrt(sum(part * part for part in command))
         scale = 1.0 if not size > MOST_FORCE else MOST_FORCE / size
-        self.command, self.arrived = tuple(part * scale for part in command), now
+        self.command, self.arrived, self.since = tuple(part * scale for part in command), now, reply.client_time / 1e9
+        self.rate = tuple(reply.rates.elastic.values()) if reply.rates else None
+
+    def commanded(self, now):
+        """The command at this time, by the rates of the reply."""
+        if self.rate is None:
+            return self.command
+        passed = max(0.0, now - self.since)
+        passed = passed if self.wrong == "rates_for_ever" else min(passed, self.keep_alive)
+        product = sum(a * b for a, b in zip(self.command, self.rate))
+        if product < 0 and self.wrong != "pulls":
+            passed = min(passed, -sum(a * a for a in self.command) / product)
+        return tuple(a + b * passed for a, b in zip(self.command, self.rate))
 
     def held(self, now):
-        age = math.inf if self.arrived is None else now - self.arrived
-        half = self.hold / 2
+        if self.arrived is None:
+            return self.command
+        age, half = now - self.arrived, self.hold / 2
         share = 1.0 if age < half else max(0.0, 1 - (age - half) / half)
-        if self.wrong == "never_fades" and self.arrived is not None:
+        if self.wrong == "never_fades":
             share = 1.0
         if self.wrong == "drops_at_half" and age >= half:
             share = 0.0
-        if self.last is not None and self.share < 1 and self.arrived is not None and self.wrong != "comes_back_at_once":
-            most = self.share + (now - self.last) / half
-            share = min(share, most) if self.touched else share
-        self.touched = self.arrived is not None
+        if self.share is not None and self.wrong != "comes_back_at_once":
+            share = min(share, self.share + (now - self.last) / half)
         self.share, self.last = share, now
-        return tuple(part * share for part in self.command)
-
-    touched = False
+        return tuple(part * share for part in self.commanded(now))
 
 
 class Session:
@@ -137,8 +156,8 @@ class Session:
         self.gate = Gate(joined.session, down, wrong)
         self.to = (address.host, address.port + joined.port_offset)
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.packet, self.index, self.force = 0, 0, Force(joined.parameters.hold_time, wrong)
-        self.history, self.travelled = [], []
+        self.packet, self.index, self.force = 0, 0, Force(joined.parameters, wrong)
+        self.history, self.travelled, self.change = [], [], 0
 
     def seal(self, kind, table, value):
         self.packet += 1
@@ -164,11 +183,14 @@ class Session:
                     self.alive = time.monotonic()
                 continue
             if kind == 3:
+                if self.wrong == "goodbye_answered":
+                    self.send(self.seal(sealing.GOODBYE, "Goodbye", {"reason": 0}))
                 if self.wrong != "goodbye_ignored":
                     return table.reason
                 continue
             self.alive = time.monotonic()
-            self.force.set(tuple(table.elastic.values()), time.monotonic())
+            self.change = table.change.number if table.change else self.change
+            self.force.set(table, time.monotonic())
         return None
 
     def sample(self, now):
@@ -193,7 +215,8 @@ class Session:
         self.gate.sent |= {one["index"] for one in fresh}
         value = {"samples": fresh + again, "previous": before}
         if self.index % 20 == 1:
-            value["report"] = {"balance": math.nan if self.wrong == "report_not_finite" else 0.0}
+            flags = self.change << 2 | (2 if self.change and self.wrong != "change_taken" else 0)
+            value["report"] = {"balance": math.nan if self.wrong == "report_not_finite" else 0.0, "flags": flags}
         if self.wrong == "times_alone":
             value["times"] = {"wakeups": [0] * 8, "round_trips": [0] * 8}
         self.send(self.seal(sealing.SAMPLES, "Samples", value))
@@ -230,24 +253,30 @@ class Session:
 
 def join(address, options, wrong, before):
     """A session of a server that is trusted and whose grant is taken."""
-    control = Control(address)
+    control = Control(address, version=openssl.TLS12 if wrong == "tls12" else openssl.TLS13)
     if control.tls.fingerprint() != options.fingerprint and wrong != "pin_ignored":
         raise Final("fingerprint: the certificate is not the one that is trusted")
     parameters = {"mode": "none", "servo_period": 1 / options.rate, "hold_time": options.hold_time, "redundancy": options.redundancy}
     if before and wrong == "rejoins_otherwise":
         parameters["redundancy"] = 5
-    token = options.token_file.read().strip() if not before else before
+    token, granted = options.token, before
     request = join_request(options.scene, {**DEVICE, "max_force": MOST_FORCE}, parameters, **({"tool": options.tool} if options.tool else {}))
-    if wrong == "no_device_name":
+    if wrong == "long_device_name":
         request["device"]["name"] = "n" * 129
     if wrong == "joins_first":
         control.ask("JoinRequest", **request)
     control.ask("Authenticate", token=token)
     joined = control.ask("JoinRequest", **request)
+    if wrong == "always_aes":
+        joined["suite"] = 1
     problem = None if wrong == "takes_any_grant" else wrong_grant(request, joined)
-    if problem and not (wrong == "takes_longer_hold" and problem.startswith("hold_time")):
+    taken = {"takes_longer_hold": "hold_time", "takes_any_tool": "tool"}.get(wrong)
+    if problem and not (taken and problem.startswith(taken)):
         raise Final(problem)
-    return Session(address, control, joined, options, wrong), token
+    for name, value in joined.parameters.items():
+        if granted and not same(granted[name], value) and wrong != "takes_other_parameters":
+            raise Final(f"{name}: {granted[name]} was granted before, {value} now")
+    return Session(address, control, joined, options, wrong), joined.parameters
 
 
 def main():
@@ -257,10 +286,11 @@ def main():
                               ("reconnect", float, 30), ("tool", str, ""), ("wrong", str, "")):
         parser.add_argument("--" + name, type=kind, default=usual)
     options, _ = parser.parse_known_args()
-    address, end, token, lost = Address(options.connect, options.fingerprint), time.monotonic() + options.duration, None, time.monotonic()
+    options.token = options.token_file.read().strip()
+    address, end, before, lost = Address(options.connect), time.monotonic() + options.duration, None, time.monotonic()
     while True:
         try:
-            session, token = join(address, options, options.wrong, token)
+            session, before = join(address, options, options.wrong, before)
         except (Final, Refused, OSError, openssl.Closed, openssl.Silent) as error:
             healing = not isinstance(error, Final) and getattr(error, "code", "full") in HEALING
             if (healing or options.wrong == "asks_again") and time.monotonic() - lost < options.reconnect:

@@ -39,7 +39,7 @@ class ModelServer:
         self.fingerprint = self.identity.fingerprint
         self.tokens = {role: f"fw_{secrets.token_hex(6)}_{secrets.token_hex(32)}" for role in roles}
         self.sessions, self.ended, self.counts = {}, [], {}
-        self.requests, self.datagrams, self.connections = [], [], 0
+        self.requests, self.arrived, self.datagrams, self.connections = [], [], [], 0
         self.grant = lambda joined: joined
         self.answer = None  # (session, table) -> more fields of the reply, or a list of datagrams, or None: the usual one
         self.lock, self.running, self.threads = threading.RLock(), True, []
@@ -120,6 +120,7 @@ class ModelServer:
 
     def handle(self, datagram, address):
         self.count("datagrams")
+        self.arrived.append(datagram)
         try:
             self.receive(datagram, address)
         except Dropped as dropped:
@@ -130,8 +131,8 @@ class ModelServer:
                     self.udp.sendto(session.reply((0.0, 0.0, 0.0), 0, time.monotonic_ns()), address)
 
     def check_header(self, head):
-        tests = [("magic", head.magic != b"FW"), ("version", head.version != 1 and "any_version" not in self.wrong),
-                 ("kind", head.kind not in (1, 3, 4)), ("reserved", head.reserved != 0 and "reserved_ignored" not in self.wrong)]
+        tests = [("magic", head.magic != b"FW" and "any_magic" not in self.wrong), ("version", head.version != 1 and "any_version" not in self.wrong),
+                 ("kind", head.kind not in (1, 3, 4) and "any_kind" not in self.wrong), ("reserved", head.reserved != 0 and "reserved_ignored" not in self.wrong)]
         for name, fails in reversed(tests) if "header_backwards" in self.wrong else tests:
             if fails:
                 raise Dropped(name)
@@ -139,11 +140,13 @@ class ModelServer:
     def receive(self, datagram, address):
         """The checks of the text in their order, then the answer."""
         received = time.monotonic_ns()
-        if not 40 <= len(datagram) <= 1200:
+        if not 40 <= len(datagram) <= (1100 if "short_limit" in self.wrong else 1200):
             raise Dropped("size")
         head = sealing.Head(datagram)
         self.check_header(head)
         session = self.sessions.get(head.session)
+        if session is None and "any_session" in self.wrong and self.sessions:
+            session = next(iter(self.sessions.values()))
         if session is None:
             if head.kind == sealing.GOODBYE and head.session in self.ended and "late_goodbye_dropped" not in self.wrong:
                 self.count("late_goodbyes")
@@ -153,7 +156,7 @@ class ModelServer:
         payload = session.open(datagram, head.packet)
         session.keep_number(head.packet)
         if head.kind == 4:
-            raise Dropped("kind")
+            raise Dropped("malformed" if "states_malformed" in self.wrong else "kind")
         try:
             if len(payload) < 8:
                 raise flat.Malformed("short")
@@ -174,6 +177,8 @@ class ModelServer:
             return
         if "stale_is_life" in self.wrong:
             session.alive = time.monotonic()
+        if "goodbye_to_any" in self.wrong:
+            session.address = address
         session.check_samples(table)
         self.take(session, head, table, address, received)
 
@@ -249,6 +254,8 @@ class Connection:
         limit = 65536 if self.role or "long_strangers" in self.server.wrong else 512
         size = struct.unpack("<I", self.tls.receive(4))[0]
         try:
+            if size == 0 and "empty_needs_token" in self.server.wrong and self.role is None:
+                raise Refusal("unauthenticated")
             if not 1 <= size <= limit:
                 raise Refusal("malformed", "the length of the frame")
             try:
@@ -261,7 +268,7 @@ class Connection:
         except Refusal as refusal:
             self.tls.send(frame(("Refused", {"code": CODES[refusal.code], "reason": refusal.reason})))
             return "stays_open" in self.server.wrong or (self.role is not None and refusal.code != "malformed")
-        self.tls.send(frame(answer))
+        self.tls.send(frame(answer) * (2 if "answers_twice" in self.server.wrong and answer[0] == "SceneList" else 1))
         return True
 
     def respond(self, name, value):
@@ -283,13 +290,14 @@ class Connection:
         for role, token in self.server.tokens.items():
             if value.token == token:
                 self.role, self.client = {"other": "operator"}.get(role, role), f"{role}-client"
-                return "Authenticated", {"client": self.client, "scene": "*", "role": ROLES[self.role]}
+                told = "operator" if "role_hidden" in self.server.wrong else self.role
+                return "Authenticated", {"client": self.client, "scene": "*", "role": ROLES[told]}
         known = any(token[:15] == value.token[:15] for token in self.server.tokens.values())
         raise Refusal("unauthenticated", "wrong secret" if known and "token_told" in self.server.wrong else "no valid token")
 
     def on_ListScenes(self, _value):
         server = self.server
-        return "SceneList", {"scenes": [{"name": server.scene, "port_offset": 1, "objects": 1, "sessions": len(server.sessions)}]}
+        return "SceneList", {"scenes": [{"name": server.scene, "port_offset": 1, "objects": 1, "sessions": 0 if "sessions_hidden" in server.wrong else len(server.sessions)}]}
 
     def on_JoinRequest(self, value):
         server, role = self.server, NAMES[value.role]
@@ -302,16 +310,18 @@ class Connection:
         if value.scene != server.scene:
             raise Refusal("unknown_scene", "there is no such scene")
         for field, rows in (("damping_tensor", value.device.damping_tensor), ("rotational", value.device.rotational_damping_tensor)):
-            if rows is not None and len(rows) not in (3, 6):
+            if rows is not None and len(rows) not in (3, 6) and "any_tensor" not in server.wrong:
                 raise Refusal("malformed", field)
         if not value.device.damping >= 0 or not 1 <= len(value.device.name.encode()) <= 100:
             raise Refusal("bad_device", "the device")
         if len((value.parameters.mode or "").encode()) > 64:
             raise Refusal("malformed", "mode")
-        wrong = wrong_parameter(value.parameters)
+        wrong = wrong_parameter(value.parameters, server.wrong)
         if wrong and not ("ranges_ignored" in server.wrong and wrong == "hold_time"):
             raise Refusal("bad_parameters", wrong)
         number = secrets.randbits(64) | 1
+        if "one_session" in server.wrong and server.sessions:
+            number = next(iter(server.sessions))
         suite = server.suite or (1 if value.aes_256_gcm or "always_aes" in server.wrong else 2)
         parameters = dict(value.parameters)
         if "hold_lengthened" in server.wrong:
@@ -352,6 +362,9 @@ class Connection:
 
     def on_SetLink(self, value):
         self.session(value.session)
+        if "asks_unasked" in self.server.wrong:
+            self.server.answer = lambda session, table: {"change": {"number": 1, "link": (value.delay, value.jitter, value.loss)}}
+            return "SceneChanged", {"scene": "plane", "what": "the link"}
         raise Refusal("not_supported", "the client takes no other link")
 
     def on_ListSessions(self, value):

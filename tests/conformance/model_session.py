@@ -84,17 +84,18 @@ class Session:
     def check_samples(self, table):
         """The checks `count` to `stale` of the text."""
         samples, rotations = table.samples, table.rotations
-        if not 1 <= len(samples) <= (10 if "ten_samples" in self.wrong else 9) or (rotations is not None and len(rotations) != len(samples)):
+        if not (0 if "no_sample_taken" in self.wrong else 1) <= len(samples) <= (10 if "ten_samples" in self.wrong else 9) or (rotations is not None and len(rotations) != len(samples)):
             raise Dropped("count")
         indices = [one["index"] for one in samples]
-        if 0 in indices or any(a <= b for a, b in zip(indices, indices[1:])) or table.previous >= indices[-1]:
+        falling = all(a > b for a, b in zip(indices, indices[1:]))
+        if (0 in indices or not falling or table.previous >= min(indices, default=1)) and "order_ignored" not in self.wrong:
             raise Dropped("order")
         norms = [sum(part * part for part in one["orientation"].values()) for one in rotations or []]
         limit = 2 * POSITIONS if "far_taken" in self.wrong else POSITIONS
         far = any(abs(part) > limit for one in samples for part in one["position"].values())
         if not finite(table) or far or any(abs(norm - 1) > UNIT for norm in norms):
             raise Dropped("not_finite")
-        if indices[0] <= self.newest and "stale_taken" not in self.wrong:
+        if max(indices, default=0) <= self.newest and "stale_taken" not in self.wrong:
             raise Dropped("stale")
 
     def take(self, table):
@@ -103,7 +104,7 @@ class Session:
         gap = missing = 0
         for one in fresh:
             step = one["index"] - self.newest
-            if self.last is not None and step > 1 and one is fresh[0]:
+            if (self.last is not None or "first_moves" in self.wrong) and step > 1 and one is fresh[0]:
                 gap = 1 if table.previous > self.newest or "gap_always" in self.wrong else 0
                 missing = step - 1
             if self.last is not None:
@@ -116,7 +117,8 @@ class Session:
 
     def command(self):
         depth = max(0.0, -self.last["position"]["z"])
-        return (0.0, 0.0, 0.0 if self.role == "observer" and "observer_pushed" not in self.wrong else STIFFNESS * depth)
+        stiffness = 2 * STIFFNESS if "twice_as_stiff" in self.wrong else STIFFNESS
+        return (0.0, 0.0, 0.0 if self.role == "observer" and "observer_pushed" not in self.wrong else stiffness * depth)
 
     def withholds(self, force, gap):
         band = self.parameters["force_deadband"]
@@ -144,9 +146,11 @@ class Session:
         table = {"sample_index": self.newest, "client_time": self.last["client_time"], "server_receive_time": received,
                  "server_send_time": received, "elastic": force, "frictional": (0.0, 0.0, 0.0), "report": report,
                  "withheld": self.withheld, "view": view, **more}
+        if "clock_stands" in self.wrong:
+            table["server_receive_time"] = table["server_send_time"] = 1
         if "oldest_echoed" in self.wrong:
             table["sample_index"] = max(1, self.newest - 1)
-        return self.seal(sealing.REPLY, flat.write(DATAGRAM, "Reply", table))
+        return self.seal(sealing.REPLY, flat.write(DATAGRAM, "Reply", table) + bytes(100 if "long_replies" in self.wrong else 0))
 
     def goodbye(self, reason):
         number = DATAGRAM.enums["GoodbyeReason"].values["leaving" if "wrong_reason" in self.wrong else reason]
@@ -162,20 +166,20 @@ RANGES = {  # of the table of session parameters
 NAN_ALLOWED = ("c1", "c2", "coupling_stiffness", "coupling_damping")
 
 
-def wrong_parameter(parameters):
-    """The name of a field that is out of its range; None if all are within."""
+def wrong_parameter(parameters, wrong=()):
+    """The name of a field that is out of its range; None if all are within. `wrong`: deviations of a mutant."""
     one = {**parameters, "mode": parameters.mode or "contact_frame"}
     for name, (low, high) in RANGES.items():
         low = one["servo_period"] if low is None else low
         if not (low <= one[name] <= high or (name in NAN_ALLOWED and math.isnan(one[name]))):
             return name
     if one["mode"] not in METHODS:
-        return "mode: choose one of " + " ".join(METHODS)
+        return "mode" if "methods_hidden" in wrong else "mode: choose one of " + " ".join(METHODS)
     needs = {"virtual_coupling": "server", "passivity_control_parallel": "server", "shaped": "client", "midpoint": "client",
              "credited": "client"}
-    if one["mode"] in needs and one["side"] != SIDES[needs[one["mode"]]]:
+    if "any_side" not in wrong and one["mode"] in needs and one["side"] != SIDES[needs[one["mode"]]]:
         return "side"
-    if one["local_model"] and one["side"] == SIDES["server"]:
+    if one["local_model"] and one["side"] == SIDES["server"] and "model_anyhow" not in wrong:
         return "local_model"
     if one["packet_interval"] * one["servo_period"] > one["hold_time"] * (1 + 1e-12):
         return "packet_interval"

@@ -3,7 +3,7 @@ import contextlib
 import time
 
 import patience
-from checks import Failure
+from checks import TIMED_OUT, Failure
 from model_server import ModelServer
 
 
@@ -41,7 +41,7 @@ class Stage:
             if ended:
                 raise Failure(f"the client ended before {what}: {self.run.wait()[1].strip()[-300:]}")
             if time.monotonic() > end:
-                raise Failure(f"it did not happen within {patience.LONGEST} s: {what}")
+                raise Failure(f"{TIMED_OUT} {patience.LONGEST} s: {what}")
             time.sleep(0.005)
 
     def requests(self, name):
@@ -62,7 +62,11 @@ class Stage:
         return [found[index] for index in sorted(found)]
 
     def enough(self, count):
-        self.until(lambda: len(self.datagrams()) >= count, f"{count} datagrams came")
+        """Waits for so many datagrams, taken or dropped."""
+        self.until(lambda: len(self.server.arrived) >= count, f"{count} datagrams came")
+
+    def dropped(self):
+        return {name: value for name, value in self.server.counts.items() if name.startswith("dropped")}
 
 
 def plain(force):
