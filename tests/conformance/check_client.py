@@ -5,8 +5,7 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 import checks  # noqa: E402
-import checks_client  # noqa: E402,F401
-import checks_client_faults  # noqa: E402,F401
+import every_check  # noqa: E402,F401
 from client_process import Client  # noqa: E402
 
 

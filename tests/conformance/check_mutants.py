@@ -8,13 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 sys.dont_write_bytecode = True
 import checks  # noqa: E402
-import checks_admin  # noqa: E402,F401
-import checks_client  # noqa: E402,F401
-import checks_client_faults  # noqa: E402,F401
-import checks_control  # noqa: E402,F401
-import checks_datagram  # noqa: E402,F401
-import checks_roles  # noqa: E402,F401
-import checks_session  # noqa: E402,F401
+import every_check  # noqa: E402,F401
 import mutants  # noqa: E402
 import patience  # noqa: E402
 from client_process import Client  # noqa: E402

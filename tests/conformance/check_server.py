@@ -5,11 +5,7 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 import checks  # noqa: E402
-import checks_admin  # noqa: E402,F401
-import checks_control  # noqa: E402,F401
-import checks_datagram  # noqa: E402,F401
-import checks_roles  # noqa: E402,F401
-import checks_session  # noqa: E402,F401
+import every_check  # noqa: E402,F401
 from server_process import Server  # noqa: E402
 
 

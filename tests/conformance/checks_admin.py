@@ -2,7 +2,7 @@
 import math
 import time
 
-from checks import check, eventually, expect
+from checks import check, expect
 from checks_control import refused, with_control
 from checks_datagram import with_hand
 from checks_session import goodbye_of
@@ -77,7 +77,7 @@ def set_parameters(server, hand):
     return "velocity_cutoff is changed; hold_time, redundancy, servo_period, force_deadband and side are refused by name"
 
 
-@check("S-405", "`not_supported` where it takes none;")
+@check("S-405", "`not_supported` where it takes none);")
 @with_hand
 def no_change_unasked(server, hand):
     refused("not_supported", hand.control, "SetParameters", session=hand.session, parameters={**PARAMETERS, "mode": "contact_frame"})

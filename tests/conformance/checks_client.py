@@ -7,7 +7,8 @@ import sealing
 from checks import check, expect
 from control import CODES
 from model_server import ModelServer, Refusal
-from model_session import finite, wrong_parameter
+from model_ranges import wrong_device, wrong_parameter
+from model_session import finite
 from stage import plain, stage
 
 AT_ONCE = 4  # clients
@@ -62,7 +63,8 @@ def join_request(subject):
     expect(all(len(text.encode()) <= 128 for text in texts), f"names {[len(text) for text in texts]} bytes long")
     field = wrong_parameter(one.parameters)
     expect(field is None, f"{field} is out of its range: {one.parameters}")
-    expect(one.device.damping >= 0 and one.device.max_force > 0, f"{one.device}")
+    field = wrong_device(one.device)
+    expect(field is None, f"{field} of the device is out of its range: {one.device}")
     return "names and parameters within their limits"
 
 

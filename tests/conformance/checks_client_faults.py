@@ -143,6 +143,43 @@ def comes_back(subject):
     return f"from {samples[low][1]:.2f} N to 2 N in {len(steps)} steps, none faster than 2 N in {hold / 2} s"
 
 
+@check("C-314", "It falls from no more than the device's largest force, so there is no step: the fall takes at most that force off in half the "
+       "hold time.")
+def largest_force(subject):
+    with stage(subject, answer=plain((0.0, 1000.0, 0.0)), duration=60) as scene:
+        scene.until(lambda: sum(force[1] > 0 for *_, force in scene.samples()) > 10, "the command is felt")
+        most = scene.requests("JoinRequest")[0].device.max_force
+        held = max(force[1] for *_, force in scene.samples())
+    expect(held <= most * (1 + 1e-6), f"{held:.2f} N are held, the device has {most} N")
+    return f"1000 N are commanded, {held:.2f} N held, the device has {most} N"
+
+
+@check("C-315", "After a cut in which the force faded to zero, however short, wait for small force and ramp begin anew, and only a reply to a "
+       "sample made since ends the wait; after a shorter one the next answer is felt, rising as slowly as it faded")
+def waits_after_a_cut(subject):
+    state = {"phase": "touch", "count": 0, "held": []}
+
+    def answer(session, table):
+        newest, held = table.samples[0], table.samples[0].held_elastic.y
+        state["count"] += 1
+        if state["phase"] == "touch" and held == 2.0:
+            state["phase"] = "cut"
+        if state["phase"] == "cut" and held == 0.0:
+            state["phase"], state["from"] = "wait", newest.index
+        if state["phase"] == "wait":
+            state["held"].append(held)
+        # A machine that stalls makes a cut of its own, so the small force comes again and again.
+        small = state["phase"] != "wait" and state["count"] % 60 < 20
+        return [] if state["phase"] == "cut" else {"force": (0.0, 0.0 if small else 2.0, 0.0)}
+    with stage(subject, answer=answer, duration=60, hold=0.4, silence=10.0, wait=0.05, path="press") as scene:
+        scene.until(lambda: len(state["held"]) > 30, "30 samples after the cut are answered by the same force")
+        felt = [force for force in state["held"] if force > 0.5]  # some comes back as the hand moves (docs/devices.md)
+        expect(not felt, f"the force came back without a wait: {felt[:3]}")
+        state["phase"], begin = "after", scene.samples()[-1][0]
+        scene.until(lambda: any(force[1] == 2.0 for index, _, force in scene.samples() if index > begin), "it is felt again after a small one")
+    return "2 N are not felt after a cut, until the server has commanded nothing for a moment"
+
+
 @check("C-306", "treat its session as over at a goodbye, and as lost if nothing was answered for the silence timeout;")
 def silence(subject):
     with stage(subject, answer=lambda session, table: [], silence=1.0, duration=60, reconnect=30) as scene:

@@ -1,10 +1,12 @@
 """Checks of a server: TLS, frames, tokens, joins and what it refuses (PROTOCOL.md, "Control (TLS)")."""
 import struct
 
+import flat
 import openssl
 from checks import check, expect
 from control import CODES, Control, Refused, frame, join_request, read_frame
 from hand import Hand
+from schema import CONTROL, DATAGRAM, Schema
 
 MOST_NAME = 128
 
@@ -186,7 +188,7 @@ LIMITS = {
 }
 
 
-@check("S-110", "Every other field equals the requested one.")
+@check("S-110", "A value out of its range is refused (`bad_parameters`, with the field), and so is a combination that this table forbids.")
 def ranges(server):
     control, tried = server.control("operator"), 0
     for field, (wrong, right) in LIMITS.items():
@@ -194,7 +196,7 @@ def ranges(server):
             try:
                 control.ask("JoinRequest", **join_request(server.scene, parameters={field: value}))
             except Refused as answer:
-                expect(answer.code == "bad_parameters", f"{field} = {value}: {answer}")
+                expect(answer.code == "bad_parameters" and field in answer.reason, f"{field} = {value}: {answer}")
                 tried += 1
                 continue
             expect(False, f"{field} = {value} was granted")
@@ -237,6 +239,52 @@ def tensors(server):
     for tensor in ([5.0, 6.0, 7.0], [5.0, 6.0, 7.0, 0.0, 0.0, 0.0]):
         Hand(server, device={"damping_tensor": tensor}).close()
     return "lengths 1, 2, 4, 5 and 7 are malformed; 3 and 6 are taken"
+
+
+DEVICES = {
+    "name": (("", "d" * 101), ("d", "d" * 100)), "translation_dof": ((0, 1, 4), (2, 3)), "rotation_sensed": ((1, 4), (0, 3)),
+    "rotation_actuated": ((1, 3), (0,)), "damping": ((-1.0, 1000.1, float("nan")), (0.0, 1000.0)), "rotational_damping": ((-1.0, 100.1), (100.0,)),
+    "apparent_mass": ((-1.0, 1000.1), (1000.0,)), "coulomb_friction": ((-1.0, 10000.1), (10000.0,)),
+    "position_resolution": ((-1.0, 0.0101), (0.0, 0.01)), "max_force": ((0.0, -1.0, 10000.1), (3.0, 10000.0)),
+    "continuous_force": ((-1.0, 8.1), (0.0, 8.0)), "max_torque": ((-1.0, 0.1, 1000.1), (0.0,)),
+    "workspace": (((-0.1, 0.0, 0.0), (0.0, 0.0, 100.1)), ((0.0, 0.0, 0.0), (100.0, 0.0, 0.0))),
+}
+
+
+@check("S-117", """A device is refused (`bad_device`, with the field) if its name has not 1 to 100 bytes, if its translation has not 2 (x, y) or 3
+       degrees of freedom or its rotation not 0 or 3 (`rotation_actuated` no more than `rotation_sensed`), or if a number is out of its
+       range:""")
+def devices(server):
+    control = server.control("operator")
+    for field, (wrong, right) in DEVICES.items():
+        for value in wrong:
+            reason = refused("bad_device", control, "JoinRequest", **join_request(server.scene, {field: value}))
+            expect(field in reason, f"{field} = {value} is not named: {reason}")
+        for value in right:
+            joined = control.ask("JoinRequest", **join_request(server.scene, {field: value}))
+            control.ask("LeaveRequest", session=joined.session)
+    control.close()
+    return f"{sum(len(wrong) for wrong, _ in DEVICES.values())} devices out of range are refused by the field's name; those at the limits join"
+
+
+@check("S-118", "Fields of a table that a receiver does not know, and bytes behind the last object of the buffer, are ignored; so it is with the "
+       "messages of the control port.")
+def unknown_fields(server):
+    newer = Schema(CONTROL.text.replace("  seat: string;", "  seat: string;\n  later: ulong;\n  other: string;", 1))
+    request = {**join_request(server.scene), "later": 2**63, "other": "hello"}
+    contents = flat.write(newer, "ControlMessage", {"body": ("JoinRequest", request)}) + bytes(40)
+    control = server.control("operator")
+    kind, joined = control.raw(struct.pack("<I", len(contents)) + contents)
+    expect(kind == "JoinAccepted", f"a JoinRequest with more fields was answered by {kind} {joined}")
+    control.ask("LeaveRequest", session=joined.session)
+    hand = Hand(server, control=control)
+    newer = Schema(DATAGRAM.text.replace("  times: HandTimes;", "  times: HandTimes;\n  later: ulong;\n  other: [Sample];", 1))
+    sample = hand.sample()
+    payload = flat.write(newer, "Samples", {"samples": [sample], "later": 7, "other": [sample]})
+    hand.send(hand.seal(payload + bytes(24)))
+    expect(hand.reply()[1].sample_index == 1, "samples with more fields were not answered")
+    hand.close()
+    return "a JoinRequest and a Samples with two fields more, and bytes behind them, are read as without"
 
 
 @check("S-114", "each may what those before it may.")

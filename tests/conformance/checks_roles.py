@@ -47,7 +47,7 @@ def withheld(server):
             if took < 0.3:
                 break  # else the machine was so slow that a reply was due
             quiet.reply(0.1)
-        expect(answer.sample_index == quiet.index, f"a datagram with the same force was answered")
+        expect(answer.sample_index == quiet.index, "a datagram with the same force was answered")
         expect(answer.withheld == first.withheld + 1, f"withheld {answer.withheld} after {first.withheld}")
         expect(abs(answer.elastic.z - 12.0) < 1e-6, f"{answer.elastic}")
         begin = time.monotonic()

@@ -1,7 +1,6 @@
 """Checks of a server: replies, and the life of a session (PROTOCOL.md, "Life of a session", "A server must")."""
 import time
 
-import flat
 import patience
 import sealing
 from checks import check, eventually, expect
@@ -314,7 +313,7 @@ def address_of_the_goodbye(server):
     return "Evict: the goodbye came to the second of three ports, that of the newest sample"
 
 
-@check("S-320", "These belong to this session alone and are made anew for every join, so no key ever meets a packet number twice.")
+@check("S-320", "They belong to this session alone and are made anew for every join, so no key ever meets a packet number twice.")
 def own_keys(server):
     first = Hand(server)
     second = Hand(server, control=first.control)

@@ -11,8 +11,8 @@ from checks import TIMED_OUT, Failure
 
 MODEL = Path(__file__).resolve().parent / "model_client.py"
 # The law `none` holds what the server commands, so that what a reply does is seen in the samples behind it.
-HAND = ("--device", "simulated", "--mode", "none", "--no-local-model", "--no-rehearsal", "--ramp-up", "0", "--wait-for-small-force", "inf",
-        "--velocity-limit", "inf", "--await-still", "0", "--flight-recorder", "off", "--path", "slide", "--depth", "0")
+HAND = ("--device", "simulated", "--mode", "none", "--no-local-model", "--no-rehearsal", "--ramp-up", "0", "--velocity-limit", "inf",
+        "--await-still", "0", "--flight-recorder", "off", "--depth", "0")
 RATE = 200  # [Hz] of the servo, so that a server in Python answers each sample
 
 
@@ -23,13 +23,13 @@ class Client:
         self.program, self.wrong = program, wrong
         self.folder = Path(tempfile.mkdtemp(prefix="feltwire-conformance-"))
 
-    def start(self, server, *options, duration=0.5, rate=RATE, hold=0.2, reconnect=0, token="operator"):
+    def start(self, server, *options, duration=0.5, rate=RATE, hold=0.2, reconnect=0, wait="inf", path="slide"):
         words = [self.program] if self.program else [sys.executable, "-B", MODEL, *(["--wrong", self.wrong] if self.wrong else [])]
         file = self.folder / f"{server.port}.token"
-        file.write_text(server.token(token) + "\n", encoding="utf-8")
+        file.write_text(server.token("operator") + "\n", encoding="utf-8")
         file.chmod(0o600)
         words += ["--connect", f"127.0.0.1:{server.port}", "--scene", server.scene, "--token-file", file, "--duration", duration, "--rate", rate,
-                  "--hold-time", hold, "--reconnect", reconnect, *HAND, *options]
+                  "--hold-time", hold, "--reconnect", reconnect, "--wait-for-small-force", wait, "--path", path, *HAND, *options]
         if "--fingerprint" not in options:
             words += ["--fingerprint", server.fingerprint]
         environment = {key: value for key, value in os.environ.items() if not key.startswith("FELTWIRE_")}

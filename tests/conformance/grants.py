@@ -1,7 +1,7 @@
 """What a server may grant (PROTOCOL.md, "What a server may grant"), as a client judges it."""
 import math
 
-from model_session import wrong_parameter
+from model_ranges import wrong_parameter
 from schema import CONTROL
 
 FREE = ("packet_interval", "redundancy", "batch", "position_deadband", "force_deadband", "predictor", "local_model")

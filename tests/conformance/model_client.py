@@ -109,7 +109,8 @@ class Gate:
 class Force:
     """The command, how it changes by itself, and what of it is held by its age."""
 
-    def __init__(self, parameters, wrong):
+    def __init__(self, parameters, small, wrong):
+        self.small, self.waits = small, wrong != "never_waits"
         self.hold, self.keep_alive, self.wrong = parameters.hold_time * (2 if wrong == "holds_longer" else 1), parameters.keep_alive, wrong
         self.command, self.rate, self.since, self.arrived = (0.0, 0.0, 0.0), None, 0.0, None
         self.share, self.last = None, None
@@ -117,8 +118,9 @@ class Force:
     def set(self, reply, now):
         command = tuple(reply.elastic.values())
         size = math.sqrt(sum(part * part for part in command))
-        scale = 1.0 if not size > MOST_FORCE else MOST_FORCE / size
+        scale = 1.0 if not size > MOST_FORCE or self.wrong == "force_unlimited" else MOST_FORCE / size
         self.command, self.arrived, self.since = tuple(part * scale for part in command), now, reply.client_time / 1e9
+        self.waits = self.waits and size > self.small
         self.rate = tuple(reply.rates.elastic.values()) if reply.rates else None
 
     def commanded(self, now):
@@ -141,6 +143,10 @@ class Force:
             share = 1.0
         if self.wrong == "drops_at_half" and age >= half:
             share = 0.0
+        if share == 0 and self.wrong != "never_waits":
+            self.waits = True
+        if self.waits:
+            share = 0.0
         if self.share is not None and self.wrong != "comes_back_at_once":
             share = min(share, self.share + (now - self.last) / half)
         self.share, self.last = share, now
@@ -156,7 +162,7 @@ class Session:
         self.gate = Gate(joined.session, down, wrong)
         self.to = (address.host, address.port + joined.port_offset)
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.packet, self.index, self.force = 0, 0, Force(joined.parameters, wrong)
+        self.packet, self.index, self.force = 0, 0, Force(joined.parameters, options.wait_for_small_force, wrong)
         self.history, self.travelled, self.change = [], [], 0
 
     def seal(self, kind, table, value):
@@ -283,7 +289,7 @@ def main():
     parser = argparse.ArgumentParser(allow_abbrev=False)
     for name, kind, usual in (("connect", str, None), ("scene", str, "plane"), ("fingerprint", str, ""), ("token-file", open, None),
                               ("duration", float, 1), ("rate", float, 200), ("hold-time", float, 0.1), ("redundancy", int, 3),
-                              ("reconnect", float, 30), ("tool", str, ""), ("wrong", str, "")):
+                              ("reconnect", float, 30), ("tool", str, ""), ("wait-for-small-force", float, 0.05), ("wrong", str, "")):
         parser.add_argument("--" + name, type=kind, default=usual)
     options, _ = parser.parse_known_args()
     options.token = options.token_file.read().strip()

@@ -13,8 +13,9 @@ import time
 import flat
 import openssl
 import sealing
-from control import CODES, ROLES, Control, frame, read_frame
-from model_session import Dropped, Session, wrong_parameter
+from control import CODES, ROLES, Control, frame
+from model_ranges import wrong_device, wrong_parameter
+from model_session import Dropped, Session
 from schema import CONTROL, DATAGRAM
 
 REQUESTS = ("JoinRequest", "LeaveRequest", "ListScenes", "SetParameters", "Evict", "ListSessions", "GetCounters", "Authenticate", "SetLink")
@@ -64,7 +65,7 @@ class ModelServer:
         self.threads.append(thread)
         thread.start()
 
-    # What the server's checks need of a server.
+    # The server's checks need these of a server.
     def token(self, role):
         return self.tokens[role]
 
@@ -259,7 +260,10 @@ class Connection:
             if not 1 <= size <= limit:
                 raise Refusal("malformed", "the length of the frame")
             try:
-                name, value = flat.read(CONTROL, "ControlMessage", self.tls.receive(size))["body"]
+                contents = self.tls.receive(size)
+                name, value = flat.read(CONTROL, "ControlMessage", contents)["body"]
+                if "no_more_bytes" in self.server.wrong and not any(contents[-32:]):
+                    raise flat.Malformed("more bytes than fields")
             except flat.Malformed as error:
                 raise Refusal("malformed", str(error)) from error
             with self.server.lock:
@@ -312,8 +316,9 @@ class Connection:
         for field, rows in (("damping_tensor", value.device.damping_tensor), ("rotational", value.device.rotational_damping_tensor)):
             if rows is not None and len(rows) not in (3, 6) and "any_tensor" not in server.wrong:
                 raise Refusal("malformed", field)
-        if not value.device.damping >= 0 or not 1 <= len(value.device.name.encode()) <= 100:
-            raise Refusal("bad_device", "the device")
+        field = wrong_device(value.device)
+        if field and not ("any_device" in server.wrong and field == "max_force"):
+            raise Refusal("bad_device", field)
         if len((value.parameters.mode or "").encode()) > 64:
             raise Refusal("malformed", "mode")
         wrong = wrong_parameter(value.parameters, server.wrong)

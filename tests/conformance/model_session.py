@@ -8,7 +8,6 @@ import time
 
 import flat
 import sealing
-from control import SIDES
 from schema import DATAGRAM
 
 STIFFNESS = 600.0  # [N/m]
@@ -155,39 +154,3 @@ class Session:
     def goodbye(self, reason):
         number = DATAGRAM.enums["GoodbyeReason"].values["leaving" if "wrong_reason" in self.wrong else reason]
         return self.seal(sealing.GOODBYE, flat.write(DATAGRAM, "Goodbye", {"reason": number}))
-
-
-METHODS = ("none", "total_energy", "per_axis", "per_axis_projected", "contact_frame", "shaped", "midpoint", "credited", "virtual_coupling",
-           "passivity_control", "passivity_control_parallel", "passivity_control_directional", "energy_tank")
-RANGES = {  # of the table of session parameters
-    "servo_period": (1e-5, 0.1), "redundancy": (0, 8), "operator_damping": (0, 100), "velocity_cutoff": (0, 1e5), "hold_time": (None, 1.0),
-    "c1": (0, 1e9), "c2": (0, 1e9), "coupling_stiffness": (0, 1e9), "coupling_damping": (0, 1e6), "tool_mass": (1e-6, 1e3),
-    "packet_interval": (1, 1000), "batch": (1, 9), "position_deadband": (0, 0.5), "force_deadband": (0, 0.5), "keep_alive": (0, 1)}
-NAN_ALLOWED = ("c1", "c2", "coupling_stiffness", "coupling_damping")
-
-
-def wrong_parameter(parameters, wrong=()):
-    """The name of a field that is out of its range; None if all are within. `wrong`: deviations of a mutant."""
-    one = {**parameters, "mode": parameters.mode or "contact_frame"}
-    for name, (low, high) in RANGES.items():
-        low = one["servo_period"] if low is None else low
-        if not (low <= one[name] <= high or (name in NAN_ALLOWED and math.isnan(one[name]))):
-            return name
-    if one["mode"] not in METHODS:
-        return "mode" if "methods_hidden" in wrong else "mode: choose one of " + " ".join(METHODS)
-    needs = {"virtual_coupling": "server", "passivity_control_parallel": "server", "shaped": "client", "midpoint": "client",
-             "credited": "client"}
-    if "any_side" not in wrong and one["mode"] in needs and one["side"] != SIDES[needs[one["mode"]]]:
-        return "side"
-    if one["local_model"] and one["side"] == SIDES["server"] and "model_anyhow" not in wrong:
-        return "local_model"
-    if one["packet_interval"] * one["servo_period"] > one["hold_time"] * (1 + 1e-12):
-        return "packet_interval"
-    if one["batch"] > one["packet_interval"] or one["batch"] + one["redundancy"] > 9:
-        return "batch"
-    banded = [one["position_deadband"] > 0, one["force_deadband"] > 0]
-    if any(banded):
-        most = one["hold_time"] / (4 if all(banded) else 2)
-        if not one["packet_interval"] * one["servo_period"] <= one["keep_alive"] <= most:
-            return "keep_alive"
-    return None

@@ -14,6 +14,8 @@ SERVERS = {
     "any_side": ("takes every law on every side", "S-111"),
     "model_anyhow": ("grants a local model with the side server", "S-112"),
     "any_tensor": ("takes a damping tensor of any length", "S-113"),
+    "any_device": ("takes a device of any force", "S-117"),
+    "no_more_bytes": ("refuses a message with more bytes than its fields need", "S-118"),
     "sessions_hidden": ("does not count the sessions of its scene", "S-116"),
     "ranges_ignored": ("grants a hold time out of range", "S-110"),
     "hold_lengthened": ("grants twice the hold time", "S-110"),
@@ -24,7 +26,7 @@ SERVERS = {
     "asks_unasked": ("asks a client for a change that it does not take", "S-405"),
     "one_session": ("gives two joins one session", "S-417"),
     "sets_all": ("changes the hold time of a running session", "S-404"),
-    # What is dropped.
+    # The checks of datagrams.
     "short_limit": ("drops datagrams above 1100 bytes", "S-201"),
     "any_magic": ("does not look at the magic", "S-202"),
     "any_version": ("takes datagrams of every version", "S-203"),
@@ -128,6 +130,8 @@ CLIENTS = {
     "drops_at_half": ("drops the force at half of the hold time", "C-304"),
     "holds_longer": ("holds a command for twice the hold time", "C-304"),
     "comes_back_at_once": ("lets a command that has faded come back in one step", "C-305"),
+    "force_unlimited": ("holds more than its device's largest force", "C-314"),
+    "never_waits": ("lets the force come back after a cut", "C-315"),
     "never_lost": ("does not give up a session that is silent", "C-306"),
     "rejoins_otherwise": ("joins again with other parameters", "C-306"),
     "dropped_is_life": ("takes dropped replies as a sign of life", "C-307"),

@@ -42,6 +42,7 @@ class Schema:
     """All declarations of one file."""
 
     def __init__(self, text):
+        self.text = text
         text = re.sub(r"//[^\n]*", "", text)
         self.structs, self.tables, self.enums, self.unions = {}, {}, {}, {}
         for word, name, base, body in re.findall(r"\b(struct|table|enum|union)\s+(\w+)\s*(?::\s*(\w+)\s*)?\{([^}]*)\}", text):
