@@ -134,7 +134,7 @@ def other_tool(subject):
        "so that up to k / m lost datagrams in a row lose nothing.")
 def traffic(subject):
     fields = {"packet_interval": 4, "batch": 2, "redundancy": 4, "hold_time": 0.1, "keep_alive": 0.05}
-    with stage(subject, grant=granted(**fields), duration=30) as scene:
+    with stage(subject, grant=granted(**fields), duration=300) as scene:
         scene.enough(25)
         tables = [table for _, _, table, _ in scene.datagrams()]
     late = 0
@@ -149,7 +149,7 @@ def traffic(subject):
 
 
 def run_of_samples(subject, count=60, **more):
-    with stage(subject, answer=plain((0.5, 0.0, 0.0)), duration=30, **more) as scene:
+    with stage(subject, answer=plain((0.5, 0.0, 0.0)), duration=300, **more) as scene:
         scene.enough(count)
         scene.run.stop()
         expect(not scene.dropped(), f"the server dropped {scene.dropped()}")
@@ -168,7 +168,7 @@ def headers(subject):
 
 @check("C-202", "u64, counted from 1 by the sender for the session and this direction, never used again")
 def packet_numbers(subject):
-    with stage(subject, duration=30) as scene:
+    with stage(subject, duration=300) as scene:
         scene.enough(60)
         numbers = [sealing.Head(datagram).packet for datagram in scene.server.arrived]
     expect(numbers[0] == 1 and len(set(numbers)) == len(numbers) and numbers == sorted(numbers), f"packet numbers {numbers[:30]}")
@@ -213,7 +213,7 @@ def previous(subject):
 @check("C-206", "The suite is 1 where both CPUs have AES, else 2.")
 def suites(subject):
     for suite in (1, 2):
-        with stage(subject, suite=suite, duration=30) as scene:
+        with stage(subject, suite=suite, duration=300) as scene:
             scene.enough(5)
             expect(not scene.dropped(), f"suite {suite}: the server dropped {scene.dropped()}")
     return "datagrams of both suites are opened"

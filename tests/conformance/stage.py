@@ -8,7 +8,7 @@ from model_server import ModelServer
 
 
 @contextlib.contextmanager
-def stage(subject, *options, server=None, start=True, wrong=(), silence=2.0, suite=None, answer=None, grant=None, **more):
+def stage(subject, *options, server=None, start=True, wrong=(), silence=20.0, suite=None, answer=None, grant=None, **more):
     """Starts a server and a client; ends both."""
     server = server or ModelServer(wrong, silence, suite, roles=("operator",))
     if answer:
