@@ -1,16 +1,13 @@
 """Checks of a server: observers, deadbands, hands side by side, what a client may fetch, tools, robots, tokens, limits."""
 import time
 
-import flat
 import patience
-import sealing
 from checks import check, eventually, expect
 from checks_control import refused, with_control
 from checks_datagram import with_hand
 from checks_session import goodbye_of
 from control import join_request
 from hand import Hand
-from schema import DATAGRAM
 
 LATER = 2**32 - 1
 
@@ -145,37 +142,6 @@ def tools(server, control):
     return reason
 
 
-@check("S-421", "such a token is of one scene and opens the robot's seat there, nothing else opens it, and it is refused `not_supported` where the "
-       "scene has none, `full` while another robot sits there.", "robots")
-def followers(server):
-    seated, elsewhere = server.control("follower"), server.control("follower_elsewhere")
-    role = server.role_number("follower")
-    robot = Hand(server, scene="seat", role="follower", control=seated)
-    try:
-        refused("not_supported", elsewhere, "JoinRequest", **join_request(server.scene, role=role))
-        second = server.control("follower")
-        refused("full", second, "JoinRequest", **join_request("seat", role=role))
-        refused("forbidden", second, "JoinRequest", **join_request("seat"))
-        refused("forbidden", second, "ListSessions")
-        second.close()
-        other = server.control("operator")
-        refused("forbidden", other, "JoinRequest", **join_request("seat", role=role))
-        other.close()
-        upright, body = (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        for index in (1, 2, 3):
-            state = {"index": index, "time": index, "position": body, "orientation": upright, "commanded": body, "commanded_turn": upright,
-                     "flags": 3}
-            robot.send(robot.seal(flat.write(DATAGRAM, "FollowerState", {"state": state}), kind=4))
-            time.sleep(0.011)
-        head = sealing.Head(datagram := robot.datagram())
-        target = flat.read(DATAGRAM, "FollowerTarget", robot.down.open(datagram)).target
-        expect(head.kind == 5 and target.index >= 1 and target.state == 0 and target.reserved == 0, f"kind {head.kind}, {target}")
-    finally:
-        robot.close()
-        elsewhere.close()
-    return "not_supported without a seat, full beside another robot, forbidden for other roles; its states are answered by a target, disabled"
-
-
 @check("S-422", "evicts its sessions, with a goodbye, within a second", "tokens")
 def revoked(server):
     hand = Hand(server, token=server.token("doomed"))
@@ -232,7 +198,7 @@ def no_token(server):
     return f"closed after {took:.1f} s"
 
 
-@check("S-499", "say goodbye to every client when it ends.")
+@check("S-999", "say goodbye to every client when it ends.")
 def end(server):
     hands = [Hand(server), Hand(server), Hand(server, role="observer")]
     for hand in hands:

@@ -5,4 +5,5 @@ import checks_client_faults  # noqa: F401
 import checks_control  # noqa: F401
 import checks_datagram  # noqa: F401
 import checks_roles  # noqa: F401
+import checks_robots  # noqa: F401
 import checks_session  # noqa: F401

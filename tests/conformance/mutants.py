@@ -81,7 +81,7 @@ SERVERS = {
     "view_for_all": ("shows operators the view of observers", "S-414"),
     "always_answers": ("withholds no reply", "S-415"),
     "hands_mixed": ("adds the forces of other hands", "S-416"),
-    "ends_silently": ("says no goodbye when it ends", "S-499"),
+    "ends_silently": ("says no goodbye when it ends", "S-999"),
 }
 
 CLIENTS = {
