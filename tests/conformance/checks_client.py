@@ -6,7 +6,8 @@ import openssl
 import sealing
 from checks import check, expect
 from control import CODES
-from model_server import ModelServer, Refusal
+from model_admin import Refusal
+from model_server import ModelServer
 from model_ranges import wrong_device, wrong_parameter
 from model_session import finite
 from stage import plain, stage

@@ -276,7 +276,7 @@ def silence(server):
         lively.ask()
         last = hand.index
         reason = None
-        while reason is None and time.monotonic() < begin + 5 * timeout:
+        while reason is None and time.monotonic() < begin + 3 * timeout:
             # Nothing of this is a sign of life: a stale sample, a forged datagram, one that is no message.
             for datagram in (hand.seal(hand.payload([hand.sample(index=last)])), bytes(hand.tell()[:-1]) + b"\0", hand.seal(b"\xff" * 32)):
                 hand.send(datagram)

@@ -40,6 +40,7 @@ class Session:
         self.tokens = 1.5 / parameters["servo_period"]
         self.flood = 2 * self.tokens
         self.refilled = time.monotonic()
+        self.changes, self.change, self.asked, self.taken, self.report, self.times, self.counts = 0, None, 0, 0, None, None, None
         self.energy, self.force, self.replied, self.withheld = [0.0, 0.0], None, 0.0, 0
 
     def check_number(self, packet):
@@ -112,11 +113,37 @@ class Session:
                     force = (one if "held_of_the_newer" in self.wrong else self.last)[held]
                     self.energy[part] += sum(force[axis] * moved for axis, moved in zip("xyz", way))
             self.last, self.newest = one, one["index"]
+        self.taken += len(fresh)
         return len(fresh), gap, missing
 
-    def command(self):
+    def tell(self, report, times):
+        """Takes what the client says of itself."""
+        self.report = report or self.report
+        if self.change and report and ((report.flags >> 2 & 63) == self.change["number"] or "any_number_acknowledges" in self.wrong):
+            self.change = None
+        if times:
+            before, self.counts = self.counts or times, times
+            first = "times_from_zero" in self.wrong and self.times is None
+            so_far = self.times or {name: [0] * 8 for name in times}
+            self.times = {name: [a + (new if first else (new - old) % 65536) for a, new, old in zip(so_far[name], times[name], before[name])]
+                          for name in times}
+
+    def ask_change(self, wish):
+        """Asks the client for a change; what an older one wanted and this one does not say stays."""
+        self.asked = self.asked % 63 + ("numbers_stand" not in self.wrong or self.asked == 0)
+        self.change = {**(self.change or {}), **wish, "number": self.asked}
+
+    def local_model(self):
+        """The plane as the one patch of a LocalModel."""
+        place = self.last["position"]
+        touching = 1 if place["z"] < 0 or "always_touching" in self.wrong else 0
+        patch = {"point": (0.0, 0.0, -place["z"]), "normal": (0.0, 0.0, 1.0), "radius": 1.0, "stiffness": STIFFNESS, "feature": 1,
+                 "flags": touching}
+        return {"center": tuple(place.values()), "reach": 1.0, "patches": [patch], "scene": 1}
+
+    def command(self, stiffness):
         depth = max(0.0, -self.last["position"]["z"])
-        stiffness = 2 * STIFFNESS if "twice_as_stiff" in self.wrong else STIFFNESS
+        stiffness *= 2 if "twice_as_stiff" in self.wrong else 1
         return (0.0, 0.0, 0.0 if self.role == "observer" and "observer_pushed" not in self.wrong else stiffness * depth)
 
     def withholds(self, force, gap):
@@ -140,11 +167,15 @@ class Session:
     def reply(self, force, gap, received, view=None, **more):
         """The datagram that answers the newest sample."""
         self.force, self.replied = force, time.monotonic()
-        flags = (8 if gap else 0) | (2 if "flag_of_bound" in self.wrong else 0)
+        flags = (8 if gap else 0) | (self.changes & 255) << 8 | (2 if "flag_of_bound" in self.wrong else 0)
         report = {"delivered_elastic": self.energy[0], "delivered_frictional": self.energy[1], "ratio": 1.0, "flags": flags}
         table = {"sample_index": self.newest, "client_time": self.last["client_time"], "server_receive_time": received,
                  "server_send_time": received, "elastic": force, "frictional": (0.0, 0.0, 0.0), "report": report,
-                 "withheld": self.withheld, "view": view, **more}
+                 "withheld": self.withheld, "view": view, "change": self.change, **more}
+        if self.parameters["local_model"] and self.role != "observer":
+            table["model"] = self.local_model()
+        if "change_once" in self.wrong:
+            self.change = None
         if "clock_stands" in self.wrong:
             table["server_receive_time"] = table["server_send_time"] = 1
         if "oldest_echoed" in self.wrong:
