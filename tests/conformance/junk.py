@@ -6,6 +6,7 @@ import flat
 import sealing
 from schema import DATAGRAM
 
+MARGIN = 8  # packet numbers that may not have come yet
 FIRST, STEP = 0.4, 0.05  # [N] along x: the force of the kinds by their place in KINDS
 
 
@@ -37,7 +38,8 @@ def used_number(session, table, force):
 
 
 def behind_window(session, table, force):
-    return sealed(session, reply(session, table, force), packet=session.packet - 1024)
+    session.packet += 1  # so that none of these numbers is used twice
+    return sealed(session, reply(session, table, force), packet=session.packet - 1024 - MARGIN)
 
 
 def zero_number(session, table, force):

@@ -11,7 +11,8 @@ from model_ranges import wrong_device, wrong_parameter
 from model_session import Session
 from schema import CONTROL
 
-REQUESTS = ("JoinRequest", "LeaveRequest", "ListScenes", "SetParameters", "Evict", "ListSessions", "GetCounters", "Authenticate", *model_admin.ANSWERS)
+REQUESTS = ("JoinRequest", "LeaveRequest", "ListScenes", "SetParameters", "Evict", "ListSessions", "GetCounters", "Authenticate",
+            *model_admin.ANSWERS)
 ADMINS = ("Evict", "ListSessions", "GetCounters", *model_admin.ADMINS)
 ABOVE = {"observer": 0, "pointer": 1, "operator": 2, "admin": 3}
 NAMES = {number: name for name, number in ROLES.items()}

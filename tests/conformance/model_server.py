@@ -123,7 +123,8 @@ class ModelServer:
 
     def check_header(self, head):
         tests = [("magic", head.magic != b"FW" and "any_magic" not in self.wrong), ("version", head.version != 1 and "any_version" not in self.wrong),
-                 ("kind", head.kind not in (1, 3, 4) and "any_kind" not in self.wrong), ("reserved", head.reserved != 0 and "reserved_ignored" not in self.wrong)]
+                 ("kind", head.kind not in (1, 3, 4) and "any_kind" not in self.wrong),
+                 ("reserved", head.reserved != 0 and "reserved_ignored" not in self.wrong)]
         for name, fails in reversed(tests) if "header_backwards" in self.wrong else tests:
             if fails:
                 raise Dropped(name)

@@ -84,7 +84,8 @@ class Session:
     def check_samples(self, table):
         """The checks `count` to `stale` of the text."""
         samples, rotations = table.samples, table.rotations
-        if not (0 if "no_sample_taken" in self.wrong else 1) <= len(samples) <= (10 if "ten_samples" in self.wrong else 9) or (rotations is not None and len(rotations) != len(samples)):
+        least, most = 0 if "no_sample_taken" in self.wrong else 1, 10 if "ten_samples" in self.wrong else 9
+        if not least <= len(samples) <= most or (rotations is not None and len(rotations) != len(samples)):
             raise Dropped("count")
         indices = [one["index"] for one in samples]
         falling = all(a > b for a, b in zip(indices, indices[1:]))
