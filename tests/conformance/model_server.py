@@ -23,7 +23,7 @@ class ModelServer:
     has = ("changes", "materials", "limits", "models")
     most_sessions, burst = model_admin.OF_THE_SCENE, model_admin.BURST
 
-    def __init__(self, wrong=(), silence=2.0, suite=None, roles=("observer", "pointer", "operator", "admin", "other"), version=openssl.TLS13):
+    def __init__(self, wrong=(), silence=4.0, suite=None, roles=("observer", "pointer", "operator", "admin", "other"), version=openssl.TLS13):
         self.wrong, self.silence_timeout, self.scene, self.suite, self.version = set(wrong), silence, "plane", suite, version
         self.identity = openssl.Identity()
         self.fingerprint = self.identity.fingerprint

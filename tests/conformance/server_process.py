@@ -38,7 +38,7 @@ class Server:
             self.add_token(name, role, scene)
         config = self.folder / "config.json"
         config.write_text(f'{{"max_sessions_per_scene": {self.most_sessions}}}', encoding="utf-8")
-        command = [program, "--state", state, "--port", "0", "--log-level", "warning", "--join-burst", str(self.burst), "--config", config]
+        command = [program, "--state", state, "--port", "0", "--log-level", "warning", "--silence-timeout", "4", "--join-burst", str(self.burst), "--config", config]
         for scene in self.scenes:
             command += ["--scene", SOURCE / scene]
         environment = {key: value for key, value in os.environ.items() if not key.startswith("FELTWIRE_")}
