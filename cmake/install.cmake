@@ -18,7 +18,7 @@ function(feltwire_installed name)
     OUTPUT_NAME feltwire_${name} EXPORT_NAME ${name} LINKER_LANGUAGE CXX)
   target_include_directories(feltwire_installed_${name} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_compile_features(feltwire_installed_${name} INTERFACE cxx_std_20)
-  install(TARGETS feltwire_installed_${name} EXPORT feltwire ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(TARGETS feltwire_installed_${name} EXPORT feltwire ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
 endfunction()
 
 set(core_rooms ${FELTWIRE_THIN_CORE})
@@ -41,31 +41,27 @@ target_link_libraries(feltwire_installed_core INTERFACE Eigen3::Eigen flatbuffer
 target_link_libraries(feltwire_installed_client INTERFACE feltwire_installed_core OpenSSL::SSL sodium zstd ZLIB::ZLIB
   ${wslay} Threads::Threads)
 
-# The C interface: a library that needs nothing of the others.
+# The C interface: a library that needs nothing of the others. Debian's packages and the wheel take components (docs/packages.md).
 set_target_properties(feltwire PROPERTIES EXPORT_NAME c)
 target_include_directories(feltwire INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-install(TARGETS feltwire EXPORT feltwire LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(FILES client/c_api/feltwire.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(TARGETS feltwire EXPORT feltwire LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT c NAMELINK_COMPONENT development)
+install(FILES client/c_api/feltwire.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
 
 set(config ${CMAKE_INSTALL_LIBDIR}/cmake/feltwire)
-install(EXPORT feltwire NAMESPACE feltwire:: FILE feltwireTargets.cmake DESTINATION ${config})
+install(EXPORT feltwire NAMESPACE feltwire:: FILE feltwireTargets.cmake DESTINATION ${config} COMPONENT development)
 configure_package_config_file(cmake/feltwireConfig.cmake.in ${PROJECT_BINARY_DIR}/feltwireConfig.cmake
   INSTALL_DESTINATION ${config})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/feltwireConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/feltwireConfig.cmake ${PROJECT_BINARY_DIR}/feltwireConfigVersion.cmake
-  DESTINATION ${config})
+  DESTINATION ${config} COMPONENT development)
 file(RELATIVE_PATH FELTWIRE_PC_PREFIX /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 configure_file(cmake/feltwire.pc.in ${PROJECT_BINARY_DIR}/feltwire.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/feltwire.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+install(FILES ${PROJECT_BINARY_DIR}/feltwire.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
 
 install(CODE "
   set(SOURCE ${PROJECT_SOURCE_DIR})
   set(ROOMS ${core_rooms} ${client_rooms})
   set(OUT \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}\")
-  include(${PROJECT_SOURCE_DIR}/cmake/install_headers.cmake)")
-install(TARGETS feltwire-client RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-# The page that shows recordings without a server; it is there once the server has been built.
-if(FELTWIRE_WEB)
-  install(FILES ${PROJECT_BINARY_DIR}/page/feltwire-replay.html DESTINATION ${CMAKE_INSTALL_DATADIR}/feltwire OPTIONAL)
-endif()
+  include(${PROJECT_SOURCE_DIR}/cmake/install_headers.cmake)" COMPONENT development)
+install(TARGETS feltwire-client RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT client)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
