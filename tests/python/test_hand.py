@@ -128,6 +128,8 @@ class Hands(unittest.TestCase):
                 call()
         with self.assertRaisesRegex(ValueError, "feltwire-client only"):
             self.server.join(list_specs=True)
+        with self.assertRaisesRegex(FileNotFoundError, "no scene no_such_name"):
+            feltwire.serve("no_such_name")
         with self.assertRaisesRegex(feltwire.Error, "no_such_file"):
             feltwire.serve("no_such_file.json")
 

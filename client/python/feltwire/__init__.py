@@ -2,7 +2,7 @@
 
     import feltwire
 
-    with feltwire.serve("scenes/plane.json") as server:
+    with feltwire.serve("plane") as server:
         with server.join(path="press", duration=3) as hand:
             hand.wait()
             ticks = hand.ticks()          # every tick since it joined

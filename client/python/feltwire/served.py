@@ -13,7 +13,7 @@ import webbrowser
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Union
 
 from .errors import Error
-from .library import program
+from .library import program, scene_file
 from .options import words
 from .scenes import Scene
 
@@ -28,8 +28,9 @@ SceneSource = Union[str, "os.PathLike[str]", Scene]
 def serve(scene: Union[SceneSource, Sequence[SceneSource]], **options: Any) -> "Server":
     """Starts feltwire-server with a scene on a free port of this machine, and returns the Server when it listens.
 
-    scene: the path of a scene file, a Scene, or a list of these. All other keywords are options of feltwire-server with _ for -:
-    web="0", record="room.mcap", real_time=True; a list repeats the option. Raises Error with the server's words if it does not start.
+    scene: the path of a scene file, the name of a scene that came with the server ("plane"), a Scene, or a list of these. All other
+    keywords are options of feltwire-server with _ for -: web="0", record="room.mcap", real_time=True; a list repeats the option. Raises
+    FileNotFoundError if there is no scene of that name, and Error with the server's words if it does not start.
     """
     return Server(scene, options)
 
@@ -65,7 +66,7 @@ class Server:
                 own = folder / str(number)
                 own.mkdir()
                 scene = scene.place(own)
-            command += ["--scene", os.fspath(scene)]
+            command += ["--scene", scene_file(scene)]
         self.process = subprocess.Popen(command + words(options, repeat=True), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         assert self.process.stdout is not None
         self.scenes: List[str] = []
