@@ -1,4 +1,5 @@
-# Writes feltwire::generated::kCommit, the commit of the checkout SOURCE, to OUT, where it is another than OUT has.
+# Writes feltwire::generated::kCommit, the commit of the checkout SOURCE, to OUT, where it is another than OUT has. Sources without a
+# checkout have it in the file commit.txt (scripts/package).
 find_program(GIT git)
 set(commit unknown)
 if(GIT AND EXISTS ${SOURCE}/.git)
@@ -7,6 +8,8 @@ if(GIT AND EXISTS ${SOURCE}/.git)
   if(NOT failed)
     set(commit ${described})
   endif()
+elseif(EXISTS ${SOURCE}/commit.txt)
+  file(STRINGS ${SOURCE}/commit.txt commit LIMIT_COUNT 1)
 endif()
 set(text "#pragma once
 namespace feltwire::generated {
