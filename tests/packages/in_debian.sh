@@ -39,6 +39,7 @@ for program in /usr/bin/feltwire-*; do
 done
 # MuJoCo's reader is found, too.
 feltwire-server --explain /usr/share/feltwire/scenes/arm/workcell.json >/dev/null
+systemd-analyze --man=no verify /lib/systemd/system/feltwire-server.service
 python3 "$here/run_unit.py"
 python3 "$here/ten_lines.py"
 
