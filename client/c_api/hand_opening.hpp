@@ -15,7 +15,7 @@ struct fw_hand : feltwire::Owned<feltwire::OpenHand> {};
 
 namespace feltwire {
 
-/// What a program asks for, wherever the hand's scene is. Texts may be null.
+/// The wishes of a program for a hand, in a scene of a server or elsewhere. Texts may be null.
 struct HandRequest {
   const char* options = "";        // name of the struct that asks, for the texts of errors
   std::vector<std::string> place;  // words of feltwire-client that say where the scene is

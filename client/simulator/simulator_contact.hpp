@@ -1,5 +1,5 @@
 #pragma once
-// What a program's own simulator says of the surfaces near the tool.
+// The surfaces near the tool, as a program's own simulator tells them.
 
 #include "core/base/types.hpp"
 #include "core/local_model/local_model.hpp"

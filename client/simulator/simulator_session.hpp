@@ -9,7 +9,7 @@
 
 namespace feltwire {
 
-/// What a server would say of its scene.
+/// The scene, as a server would describe it.
 struct SimulatorScene {
   double stiffness = 0.0;              // [N/m] of the stiffest surface, > 0
   Vec3 start_position = Vec3::Zero();  // [m] where a hand begins: on a surface
