@@ -63,7 +63,7 @@ SurfacePatch to_patch(const fw_patch& from, double reach, std::uint32_t index) {
   to.axis = vector(from.axis);
   to.velocity = vector(from.velocity);
   to.curvature = from.curvature;
-  to.radius = from.radius > 0.0 ? from.radius : reach;
+  to.radius = from.radius == 0.0 ? reach : from.radius;
   to.material = {from.stiffness, from.damping, from.static_friction, from.dynamic_friction,
                  from.viscous_friction};
   to.object = static_cast<std::uint16_t>(from.object);
