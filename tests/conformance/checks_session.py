@@ -278,7 +278,9 @@ def silence(server):
         reason = None
         while reason is None and time.monotonic() < begin + 3 * timeout:
             # Nothing of this is a sign of life: a stale sample, a forged datagram, one that is no message.
-            for datagram in (hand.seal(hand.payload([hand.sample(index=last)])), bytes(hand.tell()[:-1]) + b"\0", hand.seal(b"\xff" * 32)):
+            good = hand.tell()
+            forged = good[:-1] + bytes([good[-1] ^ 1])
+            for datagram in (hand.seal(hand.payload([hand.sample(index=last)])), forged, hand.seal(b"\xff" * 32)):
                 hand.send(datagram)
             lively.ask()
             reason = goodbye_of(hand, 0.02)
