@@ -21,7 +21,7 @@ class Pgm {
   Pgm(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
 
   GreyImage read() {
-    if (const auto foreign = foreign_content(bytes_)) throw FileError(name_ + ": " + *foreign);
+    if (const auto foreign = foreign_content(bytes_)) fail(*foreign);
     bytes_ = without_byte_order_mark(bytes_);
     // Skip blanks and comments before the first word.
     skip();
