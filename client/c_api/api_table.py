@@ -239,3 +239,6 @@ FUNCTIONS = [
      "Sets `answer` to its answer as JSON, which is valid until the next call with this admin; null where the command failed."),
     ("i32", "admin_close", [("admin*", "admin")], ONE, "Frees the admin, which no other call may use meanwhile. Null is allowed."),
 ]
+
+# The version that brought a function, where it is not 0.1.0.
+SINCE = {}

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Writes the bindings of the C interface from api_table.py: make_bindings.py [--check]
 
-feltwire.h (C99 and C++), client/python/feltwire/abi.py (ctypes) and Feltwire.cs (C#, blittable structs). With --check nothing is written; the exit
-status is 1 if a file is not what the table says.
+feltwire.h (C99 and C++), client/python/feltwire/abi.py (ctypes), Feltwire.cs (C#, blittable structs), and the symbols of Debian's
+package. With --check nothing is written; the exit status is 1 if a file is not what the table says.
 """
 import pathlib
 import sys
@@ -187,11 +187,19 @@ def offsets():
     return "\n".join(out) + "\n"
 
 
+def symbols():
+    """The symbols of Debian's package, each with the version that brought it."""
+    names = sorted(["FELTWIRE_0", *(f"fw_{name}" for _, name, *_ in api.FUNCTIONS)])
+    lines = [f" {name}@FELTWIRE_0 {api.SINCE.get(name.removeprefix('fw_'), '0.1.0')}" for name in names]
+    return "\n".join(["libfeltwire.so.0 libfeltwire0 #MINVER#", "* Build-Depends-Package: libfeltwire-dev", *lines]) + "\n"
+
+
 for handle, _ in api.HANDLES:
     for words, one, place in ((PY, "ctypes.c_void_p", "ctypes.POINTER(ctypes.c_void_p)"), (CS, "IntPtr", "out IntPtr")):
         words.update({f"{handle}*": one, f"const {handle}*": one, f"{handle}**": place})
 
-FILES = {"feltwire.h": header, "../python/feltwire/abi.py": python, "Feltwire.cs": csharp, "offsets.h": offsets}
+FILES = {"feltwire.h": header, "../python/feltwire/abi.py": python, "Feltwire.cs": csharp, "offsets.h": offsets,
+         "../../debian/libfeltwire0.symbols": symbols}
 
 if __name__ == "__main__":
     stale = [name for name, text in FILES.items() if not (HERE / name).exists() or (HERE / name).read_text() != text()]

@@ -76,7 +76,9 @@ bool OpenHand::exchange(const CallerDevice::Move& move, TickCopy& tick) noexcept
 bool OpenHand::touch(SimulatorContact contact, double time) noexcept {
   TickCopy newest;
   if (latest_.get(newest) == 0) return false;
-  contact.seen = Nanoseconds(newest.clock) - from_seconds(std::max(0.0, newest.time - time));
+  constexpr double kLongest = 10.0;  // [s] the port knows no older tick
+  contact.seen =
+      Nanoseconds(newest.clock) - from_seconds(std::clamp(newest.time - time, 0.0, kLongest));
   return feed_->put(contact);
 }
 
