@@ -116,11 +116,11 @@ def py_type(kind):
 
 
 def python():
-    out = [f'"""The C interface of feltwire for ctypes. {NOTICE}"""\nimport ctypes\n']
+    out = [f'"""The C interface of feltwire for ctypes. {NOTICE}"""\nimport ctypes\n\nfrom .values import Struct\n']
     for name, number, text in api.RESULTS:
         out.append(f"{name} = {number}  # {text}")
     for struct in api.STRUCTS:
-        out.append(f'\n\nclass {class_name(struct[0])}(ctypes.Structure):\n    """{struct[1]}"""\n    _fields_ = [')
+        out.append(f'\n\nclass {class_name(struct[0])}(Struct):\n    """{struct[1]}"""\n    _fields_ = [')
         for kind, field, text in fields(struct):
             base, count = parts(kind)
             array = f" * {count}" if "[" in kind else ""

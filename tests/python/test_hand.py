@@ -130,6 +130,8 @@ class Hands(unittest.TestCase):
             self.server.join(list_specs=True)
         with self.assertRaisesRegex(FileNotFoundError, "no scene no_such_name"):
             feltwire.serve("no_such_name")
+        with self.assertRaisesRegex(ValueError, "duration must be a number"):
+            self.server.join(duration="long")
         with self.assertRaisesRegex(feltwire.Error, "no_such_file"):
             feltwire.serve("no_such_file.json")
 
@@ -140,6 +142,22 @@ class Hands(unittest.TestCase):
         self.assertTrue(hand.wait(LONGEST))
         with self.assertRaisesRegex(feltwire.Error, "shutting down"):
             hand.close()
+
+    def test_a_server_that_is_closed_says_so(self):
+        server = feltwire.serve(SOURCE / "scenes/plane.json")
+        process = server.process
+        server.close()
+        server.close()
+        self.assertIsNotNone(process.poll())
+        with self.assertRaisesRegex(ValueError, "the server is closed"):
+            server.join()
+
+    def test_a_server_that_nobody_closes_ends_with_the_program(self):
+        code = ("import sys; sys.path.insert(0, sys.argv[1]); import feltwire; server = feltwire.serve(sys.argv[2]); "
+                "print(server.process.pid)")
+        done = subprocess.run([sys.executable, "-c", code, SOURCE / "client/python", SOURCE / "scenes/plane.json"], capture_output=True, text=True,
+                              check=True)
+        self.assertFalse(pathlib.Path(f"/proc/{int(done.stdout)}").exists())
 
     def test_a_missing_library_says_how_to_get_it(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -34,7 +34,10 @@ class Worlds(unittest.TestCase):
 
             eventually("the sphere pushes", pushes)
             eventually("the force has faded", lambda: world.latest().force[2] == 0.0)
-            self.assertIn("no fresh answer", world.why_no_force())
+            self.assertIn("hold_time", world.why_no_force())
+            world.stop()
+            self.assertTrue(world.wait(60))
+            self.assertEqual(world.why_no_force(), "the run has ended")
 
     def test_run_calls_the_physics_until_its_time_is_over(self):
         calls = []
@@ -77,6 +80,14 @@ class Worlds(unittest.TestCase):
                 patch = feltwire.Patch((0, 0, 0), (0, 0, 1), STIFFNESS)._replace(**{name: value})
                 with self.assertRaisesRegex(ValueError, rf"patches\[0\].{name}"):
                     world.touch([patch], 0.02)
+            with self.assertRaisesRegex(ValueError, r"patches\[0\].point must be 3 numbers"):
+                world.touch([feltwire.Patch([[0, 0, 0]], (0, 0, 1), STIFFNESS)], 0.02)
+            with self.assertRaisesRegex(ValueError, "must be a feltwire.Patch"):
+                world.touch([{"point": (0, 0, 0)}], 0.02)
+            with self.assertRaisesRegex(ValueError, "where nothing is near"):
+                world.touch(None, 0.02)
+            with self.assertRaisesRegex(ValueError, "rate must be above 0"):
+                next(world.paced(0))
             with self.assertRaisesRegex(ValueError, "reach"):
                 world.touch([], 5.0)
             with self.assertRaisesRegex(ValueError, "at most 3"):

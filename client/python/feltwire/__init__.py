@@ -9,7 +9,7 @@
     print(ticks["force"].max(axis=0))     # [N]
 
 The hand's servo runs in libfeltwire.so, at 1 kHz and more, with the bound, the energy account and the limits of feltwire-client. Python
-sets the target and reads the latest state; a Python program that pauses makes no tick late. Units are SI. docs/python.md is the
+starts it and reads the latest state; a Python program that pauses makes no tick late. Units are SI. docs/python.md is the
 tutorial.
 
 A part of the package is loaded when it is first used: only hands need libfeltwire.so.
@@ -50,6 +50,10 @@ __all__ = ["Admin", "DamageWarning", "Error", "FileError", "Hand", "Observer", "
 def __getattr__(name: str) -> Any:
     if name in _PLACES:
         return getattr(importlib.import_module(f"{__name__}.{_PLACES[name]}"), name)
+    if name == "__version__":
+        from .library import BLOCKING
+        number = BLOCKING.fw_version()
+        return f"{number >> 16}.{number >> 8 & 255}.{number & 255}"
     if name in ("aio", "lab"):
         return importlib.import_module(f"{__name__}.{name}")
     raise AttributeError(f"feltwire has no {name}")

@@ -1,6 +1,8 @@
 """The C interface of feltwire for ctypes. Written by make_bindings.py from api_table.py. Change the table."""
 import ctypes
 
+from .values import Struct
+
 OK = 0  # It is done.
 NOTHING = 1  # There is nothing yet, or nothing new.
 ENDED = 2  # The hand's run, or the observer, has ended. fw_last_error() says why, if an error ended it.
@@ -12,7 +14,7 @@ ERROR_MEMORY = -5  # There is no memory for it.
 ERROR_INTERNAL = -6  # Anything else. fw_last_error() has the text.
 
 
-class HandOptions(ctypes.Structure):
+class HandOptions(Struct):
     """How a hand joins a scene. A null text is not given."""
     _fields_ = [
         ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
@@ -33,7 +35,7 @@ class HandOptions(ctypes.Structure):
     ]
 
 
-class Pose(ctypes.Structure):
+class Pose(Struct):
     """A place of the tool, in the world frame."""
     _fields_ = [
         ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
@@ -45,7 +47,7 @@ class Pose(ctypes.Structure):
     ]
 
 
-class Session(ctypes.Structure):
+class Session(Struct):
     """What the server granted."""
     _fields_ = [
         ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
@@ -59,7 +61,7 @@ class Session(ctypes.Structure):
     ]
 
 
-class Tick(ctypes.Structure):
+class Tick(Struct):
     """A tick of the servo."""
     _fields_ = [
         ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
@@ -78,7 +80,7 @@ class Tick(ctypes.Structure):
     ]
 
 
-class WorldOptions(ctypes.Structure):
+class WorldOptions(Struct):
     """How a hand meets the physics of the program. A null text is not given."""
     _fields_ = [
         ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
@@ -96,7 +98,7 @@ class WorldOptions(ctypes.Structure):
     ]
 
 
-class Patch(ctypes.Structure):
+class Patch(Struct):
     """A surface near the tool, described around its point nearest to the tool. World frame."""
     _fields_ = [
         ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
@@ -116,7 +118,7 @@ class Patch(ctypes.Structure):
     ]
 
 
-class Wrench(ctypes.Structure):
+class Wrench(Struct):
     """A force and a torque of the surroundings on the hand. World frame."""
     _fields_ = [
         ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
@@ -128,7 +130,7 @@ class Wrench(ctypes.Structure):
     ]
 
 
-class ObserverOptions(ctypes.Structure):
+class ObserverOptions(Struct):
     """How an observer joins a scene. A null text is not given."""
     _fields_ = [
         ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
@@ -147,7 +149,7 @@ class ObserverOptions(ctypes.Structure):
     ]
 
 
-class SceneState(ctypes.Structure):
+class SceneState(Struct):
     """What an observer sees."""
     _fields_ = [
         ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
@@ -162,7 +164,7 @@ class SceneState(ctypes.Structure):
     ]
 
 
-class SeenHand(ctypes.Structure):
+class SeenHand(Struct):
     """A hand in the scene, as its server tells. World frame."""
     _fields_ = [
         ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
@@ -186,7 +188,7 @@ class SeenHand(ctypes.Structure):
     ]
 
 
-class SeenBody(ctypes.Structure):
+class SeenBody(Struct):
     """A body that moves. World frame."""
     _fields_ = [
         ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
@@ -198,7 +200,7 @@ class SeenBody(ctypes.Structure):
     ]
 
 
-class AdminOptions(ctypes.Structure):
+class AdminOptions(Struct):
     """Which server an admin changes. A null text is not given."""
     _fields_ = [
         ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it

@@ -5,6 +5,7 @@ import ctypes
 import functools
 import os
 import threading
+import warnings
 from typing import Any, Callable, List, NoReturn, Optional, Sequence, Tuple, Union
 
 from . import abi
@@ -12,6 +13,7 @@ from .errors import Error, Refused, ServerError
 from .library import BLOCKING, QUICK
 from .options import words as _words
 from .tables import numpy_or_none
+from .values import set_number, set_vector
 
 Path = Union[str, "os.PathLike[str]"]
 
@@ -57,7 +59,8 @@ def join(server: str, scene: str, *, device: str = "simulated", spec: Optional[P
     given.server, given.scene, given.device, given.name = _bytes(server), _bytes(scene), _bytes(device), _bytes(name)
     given.spec, given.fingerprint, given.ca_file = _bytes(spec), _bytes(fingerprint), _bytes(ca_file)
     given.fingerprint_file, given.token_file = _bytes(fingerprint_file), _bytes(token_file)
-    given.duration, given.stale_after = duration, stale_after
+    set_number(given, "duration", duration, "duration", " [s]")
+    set_number(given, "stale_after", stale_after, "stale_after", " [s]")
     words = [os.fsencode(word) for word in _words(options)]
     more = (ctypes.c_char_p * max(len(words), 1))(*words)
     given.more, given.more_count = more, len(words)
@@ -107,8 +110,8 @@ class Hand:
         Returns the force [N] and torque [N m] that the program applies until its next call, each three numbers; None: the run has
         ended, and nothing may be applied."""
         pose, tick = self._pose, self._exchanged
-        pose.position[:] = position
-        pose.orientation[:] = orientation
+        set_vector(pose, "position", position, "position", " [m]")
+        set_vector(pose, "orientation", orientation, "orientation", " w, x, y, z")
         pose.buttons, pose.deadman = buttons, deadman
         result = QUICK.fw_hand_exchange(self._open(), pose, tick, _TICK_SIZE)
         if result < 0:
@@ -136,6 +139,9 @@ class Hand:
         result = QUICK.fw_hand_ticks(self._open(), self._room, _TICK_SIZE, _MOST_TICKS, count)
         if result < 0:
             _raise(result)
+        if count.value == _MOST_TICKS:
+            warnings.warn(f"the library keeps {_MOST_TICKS} ticks, and ticks() was not called for longer: the newest ones may be lost. Call it "
+                          "more often, or record the run (record=\"hand.mcap\")", stacklevel=2)
         room, numpy = self._room, numpy_or_none()
         if numpy is None:
             return [abi.Tick.from_buffer_copy(tick) for tick in room[:count.value]]
@@ -147,6 +153,8 @@ class Hand:
 
     def why_no_force(self) -> str:
         """Why the newest force is zero, in words; empty if it is not."""
+        if QUICK.fw_hand_wait(self._open(), 0.0) == abi.ENDED:
+            return "the run has ended"
         tick = self._newest(self._asked)
         return "" if tick is None else str(QUICK.fw_zero_force_text(tick.zero_force_reason), "utf-8")
 

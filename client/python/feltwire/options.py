@@ -13,9 +13,10 @@ def words(options: Dict[str, Any], *, repeat: bool = False) -> List[str]:
     found: List[str] = []
     for name, value in options.items():
         option = "--" + name.replace("_", "-")
-        if value is True:
+        truth = isinstance(value, bool) or type(value).__name__ in ("bool_", "numpy.bool")  # NumPy's
+        if truth and value:
             found.append(option)
-        elif value is False:
+        elif truth:
             found += [] if repeat else ["--no-" + option[2:]]
         elif isinstance(value, (list, tuple)) and repeat:
             for one in value:

@@ -92,7 +92,9 @@ def _series(run: Any) -> Dict[str, Any]:
     if getattr(run, "dtype", None) is not None and run.dtype.names:
         return {"time": run["time"], "position": run["position"], "given": run["force"], "balance": run["balance"],
                 "balance_time": run["time"]}
-    ticks = list(run)
+    ticks = list(run) if isinstance(run, (list, tuple)) else []
+    if not isinstance(run, (list, tuple)) or not all(hasattr(tick, "force") for tick in ticks):
+        raise ValueError(f"plot() draws what Hand.ticks() or feltwire.read() returned, not {run!r}")
     time = [tick.time for tick in ticks]
     return {"time": time, "position": [list(tick.position) for tick in ticks], "given": [list(tick.force) for tick in ticks],
             "balance": [tick.balance for tick in ticks], "balance_time": time}

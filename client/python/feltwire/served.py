@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import weakref
 import webbrowser
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Union
 
@@ -48,6 +49,11 @@ def play(scene: Union[SceneSource, Sequence[SceneSource]], *, open_browser: bool
     return server
 
 
+def _end(process: "subprocess.Popen[str]") -> None:
+    process.terminate()
+    process.wait()
+
+
 class Server:
     """A running server with keys of its own. Use it in a `with` block, or call close().
 
@@ -67,8 +73,11 @@ class Server:
                 own.mkdir()
                 scene = scene.place(own)
             command += ["--scene", scene_file(scene)]
-        self.process = subprocess.Popen(command + words(options, repeat=True), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.process = subprocess.Popen(command + words(options, repeat=True), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                                        start_new_session=True)  # Ctrl-C is for the program
+        self._finalizer = weakref.finalize(self, _end, self.process)  # a server that nobody closes ends with the program
         assert self.process.stdout is not None
+        self._drain: Optional[threading.Thread] = None
         self.scenes: List[str] = []
         self.page: Optional[str] = None
         self.fingerprint_file, self.token_file = str(state / "fingerprint"), str(state / "local.token")
@@ -88,7 +97,8 @@ class Server:
             raise Error("the server did not start:\n" + "".join(said))
         self.address = f"localhost:{port}"
         # A pipe that nobody reads would stop the server. Nothing of it is kept.
-        threading.Thread(target=collections.deque, args=(self.process.stdout, 0), daemon=True).start()
+        self._drain = threading.Thread(target=collections.deque, args=(self.process.stdout, 0), daemon=True)
+        self._drain.start()
 
     @property
     def link(self) -> str:
@@ -107,16 +117,19 @@ class Server:
 
     def join(self, scene: Optional[str] = None, **options: Any) -> "Hand":
         """Joins one of its scenes, the first one if none is named. Keywords and errors as in feltwire.join()."""
+        self._require_open()
         from .hand import join  # A program that only serves does not need the library.
         return join(self.address, scene or self.scenes[0], fingerprint_file=self.fingerprint_file, token_file=self.token_file, **options)
 
     def observe(self, scene: Optional[str] = None, **options: Any) -> "Observer":
         """Observes one of its scenes, the first one if none is named. Keywords as in feltwire.observe()."""
+        self._require_open()
         from .observer import observe
         return observe(self.address, scene or self.scenes[0], fingerprint_file=self.fingerprint_file, token_file=self.token_file, **options)
 
     def admin(self) -> "Admin":
         """An Admin of this server, with a token of its own."""
+        self._require_open()
         from .admins import admin
         state = pathlib.Path(self.token_file).parent
         token = state / "admin.token"
@@ -125,10 +138,15 @@ class Server:
                             "admin", "--expires", "never", "--out", str(token)], check=True)
         return admin(self.address, fingerprint_file=self.fingerprint_file, token_file=str(token))
 
+    def _require_open(self) -> None:
+        if not self._finalizer.alive:
+            raise ValueError("the server is closed")
+
     def close(self) -> None:
         """Ends the server. May be called again."""
-        self.process.terminate()
-        self.process.wait()
+        self._finalizer()
+        if self._drain is not None:
+            self._drain.join()
         if self.process.stdout is not None:
             self.process.stdout.close()
         self._folder.cleanup()

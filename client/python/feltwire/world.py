@@ -10,6 +10,7 @@ from . import abi
 from .hand import Hand, _raise
 from .library import BLOCKING, QUICK
 from .options import words
+from .values import is_vector, set_number, set_vector
 
 Vector = Sequence[float]
 _NONE = (0.0, 0.0, 0.0)
@@ -56,11 +57,13 @@ class World(Hand):
                  spec: Optional[str] = None, name: str = "python", duration: float = 0.0, stale_after: float = 0.02, **options: Any):
         given = abi.WorldOptions()
         BLOCKING.fw_world_options_default(given, ctypes.sizeof(given))
-        given.stiffness = stiffness
-        given.start_position[:], given.start_normal[:] = start, normal
+        set_number(given, "stiffness", stiffness, "stiffness", " [N/m]")
+        set_vector(given, "start_position", start, "start", " [m]")
+        set_vector(given, "start_normal", normal, "normal", "")
         given.device, given.name = os.fsencode(device), os.fsencode(name)
         given.spec = None if spec is None else os.fsencode(spec)
-        given.duration, given.stale_after = duration, stale_after
+        set_number(given, "duration", duration, "duration", " [s]")
+        set_number(given, "stale_after", stale_after, "stale_after", " [s]")
         more = [os.fsencode(word) for word in words(options)]
         given.more, given.more_count = (ctypes.c_char_p * max(len(more), 1))(*more), len(more)
         handle = ctypes.c_void_p()
@@ -79,15 +82,20 @@ class World(Hand):
         time [s]: that of the tick whose position your physics used; None: the newest one. Returns False if the hand cannot take them
         now: there was no tick yet, or the servo stands still. Raises ValueError for a patch that is not possible.
         """
-        given = list(patches)
+        if patches is None:
+            raise ValueError("the physics returned None; return a list of patches, [] where nothing is near")
+        given = [patches] if isinstance(patches, Patch) else list(patches)
         if len(given) > len(self._patches):
             raise ValueError(f"{len(given)} patches: at most 3 can be given. Give the nearest, and a shorter reach")
-        for to, patch in zip(self._patches, given):
+        for number, (to, patch) in enumerate(zip(self._patches, given)):
+            if not isinstance(patch, Patch):
+                raise ValueError(f"patches[{number}] must be a feltwire.Patch, is {patch!r}")
             for field, value in zip(Patch._fields, patch):
-                if isinstance(getattr(to, field), ctypes.Array):
-                    getattr(to, field)[:] = value
-                else:
-                    setattr(to, field, value)
+                (set_vector if is_vector(to, field) else set_number)(to, field, value, f"patches[{number}].{field}", "")
+        try:
+            reach = float(reach)
+        except (TypeError, ValueError):
+            raise ValueError(f"reach must be a number [m], is {reach!r}") from None
         return self._given(QUICK.fw_hand_touch(self._open(), self._time(time), reach, self._patches, ctypes.sizeof(abi.Patch), len(given)))
 
     def push(self, force: Vector, stiffness: float = 0.0, torque: Vector = _NONE, time: Optional[float] = None) -> bool:
@@ -97,8 +105,10 @@ class World(Hand):
         time and the result: as for touch().
         """
         wrench = self._wrench
-        wrench.force[:], wrench.torque[:] = force, torque
-        wrench.stiffness, wrench.time = stiffness, self._time(time)
+        set_vector(wrench, "force", force, "force", " [N]")
+        set_vector(wrench, "torque", torque, "torque", " [N m]")
+        set_number(wrench, "stiffness", stiffness, "stiffness", " [N/m]")
+        set_number(wrench, "time", self._time(time), "time", " [s]")
         return self._given(QUICK.fw_hand_push(self._open(), wrench))
 
     @staticmethod
@@ -106,6 +116,14 @@ class World(Hand):
         if result < 0:
             _raise(result)
         return result == abi.OK
+
+    def why_no_force(self) -> str:
+        """As Hand.why_no_force(). Physics that takes longer than half the hold time has to give a longer one, as hold_time=0.3."""
+        said = super().why_no_force()
+        if "answer" not in said:
+            return said
+        hold = self.session.hold_time
+        return f"the physics gave nothing for {0.5 * hold:.3g} s or longer: give results more often, or a longer hold_time (it is {hold:.3g} s)"
 
     def _time(self, time: Optional[float]) -> float:
         if time is not None:
@@ -116,6 +134,8 @@ class World(Hand):
     def paced(self, rate: float, duration: Optional[float] = None) -> Iterator[float]:
         """Yields the time [s] since the call, `rate` times a second from the first tick on, until the run has ended or for `duration` [s].
         Work that takes longer than a period delays the next one; none is made up for."""
+        if not rate > 0.0:
+            raise ValueError(f"rate must be above 0 Hz, is {rate!r}; 60 to 1000 is usual")
         while self.latest() is None:
             if self.wait(0.001):
                 return

@@ -1,0 +1,38 @@
+"""Numbers and vectors of a program, for the structs of the C interface."""
+from __future__ import annotations
+
+import ctypes
+from typing import Any
+
+
+class Struct(ctypes.Structure):
+    """A struct of the C interface."""
+
+    def __repr__(self) -> str:
+        values = ((field[0], getattr(self, field[0])) for field in self._fields_ if field[0] not in ("struct_size", "reserved"))
+        return f"{type(self).__name__}({', '.join(f'{name}={tuple(v) if isinstance(v, ctypes.Array) else v!r}' for name, v in values)})"
+
+
+def set_vector(to: Any, field: str, value: Any, name: str, meaning: str) -> None:
+    """Sets a field of several numbers. Raises ValueError that names it: "position must be 3 numbers [m], is [1, 2]"."""
+    try:
+        getattr(to, field)[:] = value
+    except (TypeError, ValueError):
+        # NumPy's numbers are numbers too, but not always floats.
+        try:
+            getattr(to, field)[:] = [float(one) for one in value]
+        except (TypeError, ValueError):
+            raise ValueError(f"{name} must be {len(getattr(to, field))} numbers{meaning}, is {value!r}") from None
+
+
+def set_number(to: Any, field: str, value: Any, name: str, meaning: str = "") -> None:
+    """Sets a field of one number. Raises ValueError that names it."""
+    whole = isinstance(getattr(to, field), int)
+    try:
+        setattr(to, field, int(value) if whole else float(value))
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError(f"{name} must be a {'whole ' if whole else ''}number{meaning}, is {value!r}") from None
+
+
+def is_vector(struct: Any, field: str) -> bool:
+    return isinstance(getattr(struct, field), ctypes.Array)
