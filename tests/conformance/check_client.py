@@ -21,7 +21,7 @@ def main(words):
     try:
         for one in sorted(checks.REGISTRY["client"], key=lambda one: one.identity):
             if not wanted or one.identity in wanted:
-                passed, seen = checks.judge(one, subject)
+                passed, seen = checks.judge_program(one, subject)
                 checks.report(one, passed, seen)
                 failed += not passed
     finally:

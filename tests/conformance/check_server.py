@@ -22,7 +22,7 @@ def main(words):
         server.begin_silence()
         for one in sorted(checks.REGISTRY["server"], key=lambda one: one.identity):
             if not wanted or one.identity in wanted:
-                passed, seen = checks.judge(one, server)
+                passed, seen = checks.judge_program(one, server)
                 checks.report(one, passed, seen)
                 failed += not passed
     finally:

@@ -60,6 +60,17 @@ def judge(one, subject):
         return False, f"{type(error).__name__}: {error} ({place.name}, line {place.lineno})"
 
 
+def judge_program(one, subject):
+    """judge(), and up to twice again where it fails: a machine that stood still may have broken a check, and a program that deviates
+    fails every time."""
+    for _ in range(2):
+        passed, seen = judge(one, subject)
+        if passed:
+            return passed, seen
+        print(f"{one.identity} failed, and is judged again: {seen}", flush=True)
+    return judge(one, subject)
+
+
 def report(one, passed, seen):
     print(f"{one.identity} {'passed' if passed else 'FAILED'}: {seen}", flush=True)
     if not passed:
