@@ -344,11 +344,11 @@ namespace Feltwire
         [DllImport("feltwire")]
         public static extern int fw_hand_open_world(ref WorldOptions options, out IntPtr hand);
 
-        /// <summary>For a hand of fw_hand_open_world(): says which surfaces are within `reach` [m] of the tool, at most 3; 0: none is. `time` [s]: fw_tick.time of the position that the physics used. The hand feels them at its servo rate until the next call. FW_NOTHING: the hand cannot take them now, because there was no tick yet or its servo stands still. FW_ENDED: the run has ended. Threads: one thread at a time, never waits.</summary>
+        /// <summary>For a hand of fw_hand_open_world(): says which surfaces are within `reach` [m] of the tool, at most 3; 0: none is. `time` [s]: fw_tick.time of the position that the physics used. The hand feels them at its servo rate until the next call, within the hold time. FW_NOTHING: the hand does not take them, because there was no tick yet, `time` is older than the hold time or than that of the last call, or its servo stands still. FW_ENDED: the run has ended. Threads: one thread at a time, never waits.</summary>
         [DllImport("feltwire")]
         public static extern int fw_hand_touch(IntPtr hand, double time, double reach, ref Patch patches, uint struct_size, uint count);
 
-        /// <summary>The same, for physics that knows a force only. With a stiffness the hand feels the plane that has this force at that position. Without one it feels the force as it is. Prefer fw_hand_touch(): a patch is felt before it pushes. Threads: one thread at a time, never waits.</summary>
+        /// <summary>The same, for physics that knows a force only. With a stiffness the hand feels the plane that has this force at that position. Without one it feels the force as it is, as far as its account pays for it. Prefer fw_hand_touch(): a patch is felt before it pushes. Threads: one thread at a time, never waits.</summary>
         [DllImport("feltwire")]
         public static extern int fw_hand_push(IntPtr hand, ref Wrench wrench);
 

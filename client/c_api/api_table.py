@@ -200,11 +200,11 @@ FUNCTIONS = [
     ("i32", "hand_touch", [("hand*", "hand"), ("f64", "time"), ("f64", "reach"), ("const patch*", "patches"), ("u32", "struct_size"), ("u32", "count")],
      "one thread at a time, never waits",
      "For a hand of fw_hand_open_world(): says which surfaces are within `reach` [m] of the tool, at most 3; 0: none is. `time` [s]: fw_tick.time of "
-     "the position that the physics used. The hand feels them at its servo rate until the next call. FW_NOTHING: the hand cannot take them "
-     "now, because there was no tick yet or its servo stands still. FW_ENDED: the run has ended."),
+     "the position that the physics used. The hand feels them at its servo rate until the next call, within the hold time. FW_NOTHING: the hand "
+     "does not take them, because there was no tick yet, `time` is older than the hold time or than that of the last call, or its servo stands still. FW_ENDED: the run has ended."),
     ("i32", "hand_push", [("hand*", "hand"), ("const wrench*", "wrench")], "one thread at a time, never waits",
      "The same, for physics that knows a force only. With a stiffness the hand feels the plane that has this force at that position. Without "
-     "one it feels the force as it is. Prefer fw_hand_touch(): a patch is felt before it pushes."),
+     "one it feels the force as it is, as far as its account pays for it. Prefer fw_hand_touch(): a patch is felt before it pushes."),
     ("void", "observer_options_default", [("observer_options*", "options"), ("u32", "struct_size")], ANY,
      "Fills in the usual options. Call it first, with sizeof."),
     ("i32", "observer_open", [("const observer_options*", "options"), ("observer**", "observer")], ANY,

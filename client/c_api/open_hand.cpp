@@ -17,7 +17,8 @@
 namespace feltwire {
 namespace {
 
-constexpr int kHousekeeping = 50;  // [ms] between two looks at the run
+constexpr double kTicksAhead = 2.0;  // of a simulator's time before the newest known tick
+constexpr int kHousekeeping = 50;    // [ms] between two looks at the run
 
 std::array<double, 3> numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -73,12 +74,18 @@ bool OpenHand::exchange(const CallerDevice::Move& move, TickCopy& tick) noexcept
   return ticked;
 }
 
-bool OpenHand::touch(SimulatorContact contact, double time) noexcept {
+bool OpenHand::touch(SimulatorContact contact, double time) {
   TickCopy newest;
   if (latest_.get(newest) == 0) return false;
-  constexpr double kLongest = 10.0;  // [s] the port knows no older tick
-  contact.seen =
-      Nanoseconds(newest.clock) - from_seconds(std::clamp(newest.time - time, 0.0, kLongest));
+  const double age = newest.time - time;
+  // The tick may be newer than the one that this thread knows.
+  const double ahead = kTicksAhead * accepted().parameters.servo_period;
+  if (age < -ahead)
+    throw std::invalid_argument(
+        "time is later than the newest tick; give fw_tick.time of the pose that the physics used");
+  if (age > accepted().parameters.hold_time || time < touched_at_) return false;
+  touched_at_ = time;
+  contact.seen = Nanoseconds(newest.clock) - from_seconds(std::max(age, 0.0));
   return feed_->put(contact);
 }
 

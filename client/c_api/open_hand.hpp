@@ -56,10 +56,11 @@ class OpenHand final : private RunOutlet, private TickListener {
   bool exchange(const CallerDevice::Move& move, TickCopy& tick) noexcept;
   /// Whether the program's own simulator says what the hand touches.
   bool meets_simulator() const noexcept { return feed_ != nullptr; }
-  /// Says what the tool touches, as it was at the tick with this time [s]. False: there was no tick
-  /// yet, or the servo has not taken the contacts before this one. One thread at a time; it never
-  /// waits. Precondition: meets_simulator().
-  bool touch(SimulatorContact contact, double time) noexcept;
+  /// Says what the tool touches, as it was at the tick with this time [s]. False, and nothing is
+  /// said: there was no tick yet, that tick is older than the hold time or than the last contact,
+  /// or the servo has not taken the contacts before this one. One thread at a time; it never waits.
+  /// Throws std::invalid_argument if there was no such tick. Precondition: meets_simulator().
+  bool touch(SimulatorContact contact, double time);
   /// The next tick that was not taken; false: there is none. One thread at a time.
   bool next(TickCopy& tick) noexcept { return ticks_.pop(tick); }
   /// Its warnings and notes, for the program's people.
@@ -84,6 +85,7 @@ class OpenHand final : private RunOutlet, private TickListener {
   ClientOptions options_;
   CallerDevice* caller_;
   std::shared_ptr<SimulatorFeed> feed_;
+  double touched_at_ = 0.0;  // [s] time of the last contact; thread of the simulator
   MessageQueue messages_;
   std::uint64_t number_ = 0;  // of ticks; servo thread
   LatestValue<TickCopy> latest_;

@@ -22,6 +22,9 @@ constexpr double kFarthest = 1e3;      // [m]
 constexpr double kMostFriction = 1e3;
 constexpr double kMostForce = 1e4;  // [N], [N m]
 constexpr double kUnitError = 1e-3;
+constexpr double kAcross = 1e-2;   // largest cosine of an axis and a normal
+constexpr double kSharpest = 1e6;  // [1/m]
+constexpr double kSoftest = 1e-3;  // [N/m]
 
 fw_world_options usual_world() noexcept {
   fw_world_options options{};
@@ -55,8 +58,21 @@ Vec3 vector(const double (&from)[3]) { return {from[0], from[1], from[2]}; }
 bool is_unit(const Vec3& v) { return std::abs(v.norm() - 1.0) < kUnitError; }
 bool is_within(double value, double least, double most) { return value >= least && value <= most; }
 
-SurfacePatch to_patch(const fw_patch& from, double reach, std::uint32_t index) {
-  const std::string patch = "patches[" + std::to_string(index) + "].";
+/// Reads a patch of a program with an older or a newer header: `size` [bytes] of it. Throws
+/// std::invalid_argument if it sets a field that this library does not know.
+fw_patch read_patch(const unsigned char* from, std::uint32_t size, const std::string& patch) {
+  fw_patch read = usual_patch();
+  const std::size_t known = std::min<std::size_t>(sizeof read, size);
+  std::memcpy(&read, from, known);
+  require(std::all_of(from + known, from + size, [](unsigned char byte) { return byte == 0; }),
+          patch + " has a field that this version of the library does not know");
+  return read;
+}
+
+/// Returns the patch with numbers that the hand's side takes as they are. Throws
+/// std::invalid_argument that names the field.
+SurfacePatch to_patch(const fw_patch& from, double reach, const std::string& name) {
+  const std::string patch = name + ".";
   SurfacePatch to;
   to.point = vector(from.point);
   to.normal = vector(from.normal);
@@ -69,13 +85,17 @@ SurfacePatch to_patch(const fw_patch& from, double reach, std::uint32_t index) {
   to.object = static_cast<std::uint16_t>(from.object);
   require(to.point.norm() < kFarthest, patch + "point is not a number, or farther than 1 km away");
   require(is_unit(to.normal), patch + "normal is no unit vector");
-  require(to.axis.isZero(0.0) || is_unit(to.axis),
-          patch + "axis is neither zero nor a unit vector");
+  to.normal.normalize();
+  if (!to.axis.isZero(0.0)) {
+    require(is_unit(to.axis), patch + "axis is neither zero nor a unit vector");
+    to.axis.normalize();
+    require(std::abs(to.axis.dot(to.normal)) < kAcross, patch + "axis is not across the normal");
+  }
   require(to.velocity.norm() < kFarthest, patch + "velocity is not a number, or above 1 km/s");
-  require(std::isfinite(to.curvature), patch + "curvature is not a number");
+  require(std::abs(to.curvature) <= kSharpest, patch + "curvature must be -1e6 to 1e6 1/m");
   require(is_within(to.radius, 0.0, kFarthest), patch + "radius must be 0 to 1000 m");
-  require(to.material.stiffness > 0.0 && to.material.stiffness <= kStiffest,
-          patch + "stiffness must be above 0 and at most 1e9 N/m");
+  require(is_within(to.material.stiffness, kSoftest, kStiffest),
+          patch + "stiffness must be 1e-3 to 1e9 N/m");
   require(is_within(to.material.damping, 0.0, kStiffest), patch + "damping must be 0 or more");
   require(is_within(to.material.dynamic_friction, 0.0, to.material.static_friction) &&
               to.material.static_friction <= kMostFriction,
@@ -95,7 +115,7 @@ OpenHand& with_simulator(fw_hand* hand) {
 }
 
 std::int32_t give(OpenHand& hand, const SimulatorContact& contact, double time) {
-  require(std::isfinite(time), "time is not a number");
+  require(time >= 0.0, "time must be fw_tick.time of the pose that the physics used, 0 or more");
   if (hand.over()) return FW_ENDED;
   return hand.touch(contact, time) ? FW_OK : FW_NOTHING;
 }
@@ -122,6 +142,8 @@ std::int32_t fw_hand_open_world(const fw_world_options* options, fw_hand** hand)
     require(hand != nullptr, "hand is null");
     *hand = nullptr;
     const fw_world_options given = read_struct(options, usual_world(), "world_options");
+    require(vector(given.start_position).norm() < kFarthest,
+            "world_options.start_position is not a number, or farther than 1 km away");
     const SimulatorScene scene{.stiffness = given.stiffness,
                                .start_position = vector(given.start_position),
                                .start_normal = vector(given.start_normal)};
@@ -149,11 +171,9 @@ std::int32_t fw_hand_touch(fw_hand* hand, double time, double reach, const fw_pa
     contact.model.count = static_cast<int>(count);
     const auto* at = reinterpret_cast<const unsigned char*>(patches);
     for (std::uint32_t i = 0; i < count; ++i) {
-      fw_patch given{};
-      std::memcpy(&given, at + std::size_t{i} * struct_size,
-                  std::min<std::size_t>(sizeof given, struct_size));
-      given.struct_size = struct_size;
-      contact.model.patches[i] = to_patch(given, reach, i);
+      const std::string name = "patches[" + std::to_string(i) + "]";
+      const fw_patch given = read_patch(at + std::size_t{i} * struct_size, struct_size, name);
+      contact.model.patches[i] = to_patch(given, reach, name);
     }
     return give(open, contact, time);
   });
@@ -172,7 +192,8 @@ std::int32_t fw_hand_push(fw_hand* hand, const fw_wrench* wrench) {
             "wrench.force is not a number, or above 10 kN");
     require(contact.command.torque.norm() < kMostForce,
             "wrench.torque is not a number, or above 10 kN m");
-    require(is_within(given.stiffness, 0.0, kStiffest), "wrench.stiffness must be 0 to 1e9 N/m");
+    require(given.stiffness == 0.0 || is_within(given.stiffness, kSoftest, kStiffest),
+            "wrench.stiffness must be 0, or 1e-3 to 1e9 N/m");
     return give(open, contact, given.time);
   });
 }

@@ -9,7 +9,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kLeastReach = 1e-3;  // [m] of the plane that stands for a force
+constexpr double kLeastReach = 0.05;  // [m] of the plane that stands for a force
 
 /// Moves what the surfaces have moved since the simulator saw them.
 void move_on(LocalModel& model, double time) noexcept {

@@ -258,6 +258,26 @@ class Decoding(unittest.TestCase):
             with self.assertRaises((ValueError, IndexError)):
                 rows.extend([hostile])
 
+    def test_a_small_schema_with_billions_of_fields_is_refused(self):
+        """Each message has two of the next kind."""
+        def field(number, of):
+            return text(2, text(1, b"f%d" % number) + bytes([3 << 3, number, 4 << 3, 1, 5 << 3, 11]) + text(6, of))
+
+        kinds = [text(4, text(1, b"M%d" % i) + field(1, b".p.M%d" % (i + 1)) + field(2, b".p.M%d" % (i + 1))) for i in range(32)]
+        last = text(4, text(1, b"M32") + text(2, text(1, b"a") + b"\x18\x01\x20\x01\x28\x01"))
+        with self.assertRaisesRegex(ValueError, "more than 4096 fields"):
+            protobuf.Rows(protobuf.Types(text(1, text(2, b"p") + b"".join(kinds) + last)), "p.M0")
+
+    def test_csv_of_other_programs(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "other.csv"
+            path.write_bytes(b"\xef\xbb\xbft,x\n0.5,1\n")
+            self.assertEqual(list(feltwire.read(path)["other"]["x"]), [1.0])
+            self.assertNotIn("\ufefft", feltwire.read(path)["other"].fields)
+            path.write_bytes(b"t,x\n0.5," + 200000 * b"1" + b"\n")
+            with self.assertRaisesRegex(feltwire.FileError, r"other.csv:2: .*give a CSV file"):
+                feltwire.read(path)
+
     def test_shapes_that_repeat(self):
         """The same bytes between other numbers, zeros that are left out, and a number of one byte that becomes two."""
         body = text(1, b"M") + text(2, text(1, b"a") + b"\x18\x01\x20\x01\x28\x01") + text(2, text(1, b"n") + b"\x18\x02\x20\x01\x28\x05")

@@ -12,7 +12,7 @@ The hand's servo runs in libfeltwire.so, at 1 kHz and more, with the bound, the 
 starts it and reads the latest state; a Python program that pauses makes no tick late. Units are SI. docs/python.md is the
 tutorial.
 
-A part of the package is loaded when it is first used: only hands need libfeltwire.so.
+A part of the package is loaded when it is first used: only hands, observers and admins need libfeltwire.so.
 """
 import importlib
 from typing import TYPE_CHECKING, Any, List

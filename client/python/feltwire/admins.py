@@ -4,6 +4,7 @@ import json
 import threading
 
 from . import abi
+from .forked import renew_after_fork
 from .hand import _raise
 from .library import BLOCKING
 from .observer import access
@@ -32,6 +33,10 @@ class Admin:
 
     def __init__(self, handle):
         self._handle = handle
+        self.renew_locks()
+        renew_after_fork(self)
+
+    def renew_locks(self):
         self._lock = threading.Lock()
 
     def __enter__(self):

@@ -10,6 +10,7 @@ from typing import Any, Callable, List, NoReturn, Optional, Sequence, Tuple, Uni
 
 from . import abi
 from .errors import Error, Refused, ServerError
+from .forked import renew_after_fork
 from .library import BLOCKING, QUICK
 from .options import words as _words
 from .tables import numpy_or_none
@@ -76,7 +77,8 @@ class Hand:
 
     def __init__(self, handle: ctypes.c_void_p):
         self._handle: Optional[ctypes.c_void_p] = handle
-        self._lock = threading.Lock()  # of the calls that give other threads the interpreter
+        self.renew_locks()
+        renew_after_fork(self)
         self._tick, self._exchanged, self._asked = abi.Tick(), abi.Tick(), abi.Tick()
         # Without types, ctypes converts no argument anew at each call of latest(): that saves a third of its time.
         call = QUICK["fw_hand_latest"]
@@ -88,6 +90,9 @@ class Hand:
         self.session = abi.Session()
         """What the server granted: servo_period [s], hold_time [s], stiffness [N/m], start_position [m], start_normal."""
         BLOCKING.fw_hand_session(handle, self.session, ctypes.sizeof(self.session))
+
+    def renew_locks(self) -> None:
+        self._lock = threading.Lock()  # of the calls that give other threads the interpreter
 
     def _open(self) -> ctypes.c_void_p:
         if self._handle is None:

@@ -141,7 +141,7 @@ class File:
             return end - at == _DATA_END_SIZE
         if opcode in (HEADER, METADATA, SCHEMA, CHANNEL, MESSAGE_INDEX, ATTACHMENT, CHUNK):
             try:
-                check_filled(opcode, self.data[at + _HEAD.size:end])
+                check_filled(opcode, memoryview(self.data)[at + _HEAD.size:end])
                 return True
             except Damage:
                 return False

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Dict, NamedTuple, Optional, Tuple
+from typing import Any, Dict, NamedTuple, Optional, Tuple
 
 MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX = range(1, 9)
@@ -71,7 +71,7 @@ class Fields:
         return self.take(self.number(4))
 
     def text(self) -> str:
-        return self.blob().decode(errors="replace")
+        return bytes(self.blob()).decode(errors="replace")
 
     def map(self) -> Dict[str, str]:
         inside, found = Fields(self.blob()), {}
@@ -89,8 +89,8 @@ def is_known(opcode: int) -> bool:
     return HEADER <= opcode <= DATA_END or opcode >= 0x80
 
 
-def check_filled(opcode: int, content: bytes) -> None:
-    """A record that is longer than its fields would hide those after it."""
+def check_filled(opcode: int, content: Any) -> None:
+    """A record that is longer than its fields would hide those after it. content: bytes, or a view of them, of which nothing is copied."""
     fields = Fields(content)
     if opcode in (HEADER, METADATA):
         texts = 2

@@ -4,6 +4,7 @@ import os
 import threading
 
 from . import abi
+from .forked import renew_after_fork
 from .hand import Error, _bytes, _raise
 from .library import BLOCKING, QUICK
 
@@ -79,12 +80,16 @@ class Observer:
 
     def __init__(self, handle):
         self._handle = handle
-        self._lock = threading.RLock()  # of calls that let other Python threads run
-        self._lists = threading.Lock()  # of the room of both lists
+        self.renew_locks()
+        renew_after_fork(self)
         self._state = abi.SceneState()
         self._asked, self._counted = abi.SceneState(), abi.SceneState()  # for the object itself
         self._hands = _List(QUICK.fw_observer_hands, abi.SeenHand, abi.SEEN_HAND_DTYPE)
         self._bodies = _List(QUICK.fw_observer_bodies, abi.SeenBody, abi.SEEN_BODY_DTYPE)
+
+    def renew_locks(self):
+        self._lock = threading.RLock()  # of calls that let other Python threads run
+        self._lists = threading.Lock()  # of the room of both lists
 
     def _open(self):
         if self._handle is None:

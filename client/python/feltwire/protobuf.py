@@ -16,6 +16,7 @@ _WIRE = {DOUBLE: 1, 6: 1, 16: 1, FLOAT: 5, 7: 5, 15: 5, STRING: 2, MESSAGE: 2, B
 _UNSIGNED = {4, 6, 7, 13}
 _MOST_DEPTH = 32
 _MOST_LAYOUTS = 64  # that are tried for a length
+_MOST_SLOTS = 4096  # fields of a message, with those of the messages in it: a small schema can name billions
 
 Place = Tuple[int, str, int]  # of a number in a message [bytes], its format for struct, its slot
 Layout = Callable[[bytes], Optional[Tuple[Value, ...]]]
@@ -187,6 +188,8 @@ class Rows:
         self._layouts: Dict[int, List[Layout]] = {}
 
     def _slot(self, path: Tuple[int, ...], one: Field) -> int:
+        if len(self._slots) >= _MOST_SLOTS:
+            raise ValueError(f"its messages have more than {_MOST_SLOTS} fields")
         numeric = not one.repeated and one.type not in (STRING, BYTES, MESSAGE)
         code = ""
         if numeric and not (one.optional and one.type not in (DOUBLE, FLOAT)):

@@ -87,7 +87,7 @@ class _Topic:
         self.channel = channel
         self.rows = Rows(types, name) if types is not None else None
         self.raw: List[bytes] = []
-        self.log_time = array("q")
+        self.log_time = array("Q")
 
     def table(self, first: int) -> Table:
         numpy = numpy_or_none()
@@ -199,7 +199,7 @@ class _Reader:
 def _read_csv(path: pathlib.Path) -> Recording:
     """A CSV file: of a client's recording as /hand/sample, of any other with the topic of its name."""
     try:
-        with open(path, newline="", encoding="utf-8") as file:
+        with open(path, newline="", encoding="utf-8-sig") as file:
             lines = file.readlines()
     except UnicodeDecodeError as error:
         raise FileError(f"{path}: byte {error.start}: this is neither an MCAP file nor CSV; give one that --record wrote") from None

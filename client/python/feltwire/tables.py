@@ -92,7 +92,13 @@ def from_csv(text: Iterable[str], name: str) -> Dict[str, Any]:
     reader = csv.reader(lines)
     head: List[str] = next(reader, [])
     rows: List[List[str]] = []
-    for row in reader:
+    while True:
+        try:
+            row = next(reader)
+        except StopIteration:
+            break
+        except csv.Error as error:
+            raise FileError(f"{name}:{reader.line_num}: {error}; give a CSV file of numbers with a header") from None
         if not row:
             continue
         if len(row) != len(head):

@@ -29,7 +29,10 @@ def set_number(to: Any, field: str, value: Any, name: str, meaning: str = "") ->
     """Sets a field of one number. Raises ValueError that names it."""
     whole = isinstance(getattr(to, field), int)
     try:
-        setattr(to, field, int(value) if whole else float(value))
+        number = int(value) if whole else float(value)
+        if whole and not 0 <= number < 1 << 32:
+            raise ValueError
+        setattr(to, field, number)
     except (TypeError, ValueError, OverflowError):
         raise ValueError(f"{name} must be a {'whole ' if whole else ''}number{meaning}, is {value!r}") from None
 

@@ -14,6 +14,7 @@ from .values import is_vector, set_number, set_vector
 
 Vector = Sequence[float]
 _NONE = (0.0, 0.0, 0.0)
+_PATCH_SIZE = ctypes.sizeof(abi.Patch)
 
 
 class Patch(NamedTuple):
@@ -48,7 +49,7 @@ class World(Hand):
     energy account and limits as in a scene of a server. If your program pauses, the force fades within the hold time (0.1 s).
 
     device, spec, name, duration, stale_after and all other keywords: as in feltwire.join(). stiffness [N/m]: of the stiffest surface
-    that the hand will meet. start [m], normal: a point on a surface and the unit normal there, where a simulated hand begins.
+    that the hand will meet, by which the hand's bounding is set. start [m], normal: a point on a surface and the unit normal there, where a simulated hand begins.
 
     Raises ValueError for a wrong option, or Error. Use it in a `with` block, or call close().
     """
@@ -79,8 +80,9 @@ class World(Hand):
     def touch(self, patches: Iterable[Patch], reach: float, time: Optional[float] = None) -> bool:
         """Says which surfaces are within `reach` [m] of the tool: at most three patches; none: nothing is there.
 
-        time [s]: that of the tick whose position your physics used; None: the newest one. Returns False if the hand cannot take them
-        now: there was no tick yet, or the servo stands still. Raises ValueError for a patch that is not possible.
+        time [s]: that of the tick whose position your physics used; None: the newest one. Returns False if the hand does not take them:
+        there was no tick yet, `time` is older than the hold time or than that of the last call, or the servo stands still. Raises ValueError
+        for a patch that is not possible.
         """
         if patches is None:
             raise ValueError("the physics returned None; return a list of patches, [] where nothing is near")
@@ -96,11 +98,14 @@ class World(Hand):
             reach = float(reach)
         except (TypeError, ValueError):
             raise ValueError(f"reach must be a number [m], is {reach!r}") from None
-        return self._given(QUICK.fw_hand_touch(self._open(), self._time(time), reach, self._patches, ctypes.sizeof(abi.Patch), len(given)))
+        seen, count = self._time(time), len(given)
+        # Nothing of Python runs between the look at the handle and the call: another thread may close the hand.
+        return self._given(QUICK.fw_hand_touch(self._open(), seen, reach, self._patches, _PATCH_SIZE, count))
 
-    def push(self, force: Vector, stiffness: float = 0.0, torque: Vector = _NONE, time: Optional[float] = None) -> bool:
+    def push(self, force: Vector, stiffness: float = 0.0, *, torque: Vector = _NONE, time: Optional[float] = None) -> bool:
         """Says the force [N] and the torque [N m] of the surroundings on the hand. With a stiffness [N/m] the hand feels the plane that
-        has this force at the position of that time; without one the force as it is. Prefer touch(): a patch is felt before it pushes.
+        has this force at the position of that time; without one the force as it is, as far as the account pays for it. Prefer touch(): a
+        patch is felt before it pushes.
 
         time and the result: as for touch().
         """
@@ -128,7 +133,7 @@ class World(Hand):
     def _time(self, time: Optional[float]) -> float:
         if time is not None:
             return time
-        newest = self.latest()
+        newest = self._newest(self._asked)
         return newest.time if newest is not None else 0.0
 
     def paced(self, rate: float, duration: Optional[float] = None) -> Iterator[float]:

@@ -11,7 +11,8 @@ from .errors import Error
 
 def _of_python() -> Callable[[bytes, int], bytes]:
     from compression import zstd
-    return lambda data, size: bytes(zstd.decompress(data))
+    # A byte more than expected: the frame may say another size than the file, and must not fill the memory.
+    return lambda data, size: bytes(zstd.ZstdDecompressor().decompress(data, max_length=size + 1))
 
 
 def _of_library() -> Callable[[bytes, int], bytes]:
@@ -32,7 +33,7 @@ def _of_library() -> Callable[[bytes, int], bytes]:
 
 def _of_package() -> Callable[[bytes, int], bytes]:
     import zstandard
-    return lambda data, size: bytes(zstandard.ZstdDecompressor().decompress(data, max_output_size=size))
+    return lambda data, size: bytes(zstandard.ZstdDecompressor().stream_reader(data).read(size + 1))
 
 
 @functools.lru_cache(maxsize=None)

@@ -107,6 +107,9 @@ TEST_F(CApiWorld, WrongPatchesAreNamed) {
   refused([](fw_patch& p) { p.normal[2] = 2.0; }, "patches[0].normal");
   refused([](fw_patch& p) { p.normal[0] = kNan; }, "patches[0].normal");
   refused([](fw_patch& p) { p.axis[0] = 0.5; }, "patches[0].axis");
+  refused([](fw_patch& p) { p.axis[2] = 1.0; }, "axis is not across the normal");
+  refused([](fw_patch& p) { p.curvature = 1e300; }, "patches[0].curvature");
+  refused([](fw_patch& p) { p.stiffness = 1e-300; }, "patches[0].stiffness");
   refused([](fw_patch& p) { p.velocity[0] = kNan; }, "patches[0].velocity");
   refused([](fw_patch& p) { p.curvature = kNan; }, "patches[0].curvature");
   refused([](fw_patch& p) { p.radius = kNan; }, "patches[0].radius");
@@ -123,6 +126,8 @@ TEST_F(CApiWorld, WrongPatchesAreNamed) {
     EXPECT_THAT(fw_last_error(), HasSubstr(why));
   };
   call(kNan, 0.1, &patch, sizeof patch, 1, "time");
+  call(-1.0, 0.1, &patch, sizeof patch, 1, "time");
+  call(1e9, 0.1, &patch, sizeof patch, 1, "time is later than the newest tick");
   call(0.0, kNan, &patch, sizeof patch, 1, "reach");
   call(0.0, 2.0, &patch, sizeof patch, 1, "reach");
   call(0.0, 0.1, nullptr, sizeof patch, 1, "patches is null");
@@ -134,6 +139,28 @@ TEST_F(CApiWorld, WrongPatchesAreNamed) {
   EXPECT_EQ(fw_hand_push(hand_, &wrench), FW_ERROR_ARGUMENT);
   EXPECT_THAT(fw_last_error(), HasSubstr("wrench.force"));
   EXPECT_EQ(fw_hand_push(hand_, nullptr), FW_ERROR_ARGUMENT);
+}
+
+// Numbers that a program rounds are taken, and felt.
+TEST_F(CApiWorld, ANormalThatIsAlmostUnitIsFelt) {
+  open(options());
+  test::eventually("the floor pushes", [&] {
+    fw_patch patch = floor();
+    patch.normal[2] = 1.0009;
+    patch.axis[0] = 0.9991;
+    EXPECT_GE(touch(patch), FW_OK) << fw_last_error();
+    return tick().force[2] > 0.5;
+  });
+}
+
+TEST_F(CApiWorld, AnAnswerToAnOldPoseIsNotTaken) {
+  open(options());
+  const fw_patch patch = floor();
+  test::eventually("a tick after the hold time", [&] { return tick().time > 1.1; });
+  EXPECT_EQ(fw_hand_touch(hand_, 0.0, 0.1, &patch, sizeof patch, 1), FW_NOTHING);
+  const double newest = tick().time;
+  EXPECT_EQ(fw_hand_touch(hand_, newest, 0.1, &patch, sizeof patch, 1), FW_OK);
+  EXPECT_EQ(fw_hand_touch(hand_, newest - 0.001, 0.1, &patch, sizeof patch, 1), FW_NOTHING);
 }
 
 TEST_F(CApiWorld, WrongOptionsAreNamed) {
@@ -179,6 +206,21 @@ TEST_F(CApiWorld, AnOlderPatchIsRead) {
   const std::uint32_t size = offsetof(fw_patch, curvature);
   EXPECT_GE(fw_hand_touch(hand_, tick().time, 0.1, patch.data(), size, 1), FW_OK)
       << fw_last_error();
+}
+
+TEST_F(CApiWorld, ANewerPatchWithAFieldThatIsNotKnownIsRefused) {
+  open(options());
+  struct {
+    fw_patch patch;
+    double later;
+  } given{floor(), 0.0};
+  const auto touch_newer = [&] {
+    return fw_hand_touch(hand_, tick().time, 0.1, &given.patch, sizeof given, 1);
+  };
+  EXPECT_GE(touch_newer(), FW_OK) << fw_last_error();
+  given.later = 5.0;
+  EXPECT_EQ(touch_newer(), FW_ERROR_ARGUMENT);
+  EXPECT_THAT(fw_last_error(), HasSubstr("does not know"));
 }
 
 }  // namespace
