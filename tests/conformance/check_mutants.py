@@ -58,7 +58,7 @@ def check_models(side, judged, deviations, wanted):
             results[place] = judged(name, known[deviations[name][1]])
             if results[place][1].startswith(checks.TIMED_OUT):
                 results[place] = True, results[place][1]
-    # One that no check found is tried again alone: a machine that stood still hides a deviation.
+    # A deviation that no check found is tried again alone: a machine that stood still hides a deviation.
     for place, name in enumerate(names):
         for _ in range(2):
             if results[place][0]:
