@@ -32,9 +32,8 @@ const char* last_error() noexcept { return thread_error.data(); }
 std::uint32_t forks() noexcept { return forked.load(std::memory_order_relaxed); }
 
 void write_text(std::string_view from, char* to, std::uint32_t size) noexcept {
-  const std::size_t length = std::min<std::size_t>(from.size(), size - 1);
-  std::memcpy(to, from.data(), length);
-  to[length] = '\0';
+  // An empty text may have no bytes to point to.
+  *std::copy_n(from.begin(), std::min<std::size_t>(from.size(), size - 1), to) = '\0';
 }
 
 }  // namespace feltwire
