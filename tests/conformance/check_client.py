@@ -11,23 +11,15 @@ from client_process import Client  # noqa: E402
 
 def main(words):
     if words[:1] == ["--list"]:
-        for one in checks.REGISTRY["client"]:
-            print(f"{one.identity}  {one.sentence}")
+        checks.list_checks("client")
         return 0
     if not words:
         sys.exit(__doc__)
-    subject = Client() if words[0] == "--model" else Client(Path(words[0]) / "feltwire-client")
-    wanted, failed = words[1:], 0
+    client = Client() if words[0] == "--model" else Client(Path(words[0]) / "feltwire-client")
     try:
-        for one in sorted(checks.REGISTRY["client"], key=lambda one: one.identity):
-            if not wanted or one.identity in wanted:
-                passed, seen = checks.judge_program(one, subject)
-                checks.report(one, passed, seen)
-                failed += not passed
+        return checks.run("client", client, words[1:])
     finally:
-        subject.close()
-    print(f"{failed} checks failed" if failed else "all checks passed")
-    return 1 if failed else 0
+        client.close()
 
 
 if __name__ == "__main__":

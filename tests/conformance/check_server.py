@@ -11,24 +11,16 @@ from server_process import Server  # noqa: E402
 
 def main(words):
     if words[:1] == ["--list"]:
-        for one in checks.REGISTRY["server"]:
-            print(f"{one.identity}  {one.sentence}")
+        checks.list_checks("server")
         return 0
     if not words:
         sys.exit(__doc__)
-    program, wanted, failed = Path(words[0]) / "feltwire-server", words[1:], 0
-    server = Server(program)
+    server = Server(Path(words[0]) / "feltwire-server")
     try:
         server.begin_silence()
-        for one in sorted(checks.REGISTRY["server"], key=lambda one: one.identity):
-            if not wanted or one.identity in wanted:
-                passed, seen = checks.judge_program(one, server)
-                checks.report(one, passed, seen)
-                failed += not passed
+        return checks.run("server", server, words[1:])
     finally:
         server.close()
-    print(f"{failed} checks failed" if failed else "all checks passed")
-    return 1 if failed else 0
 
 
 if __name__ == "__main__":

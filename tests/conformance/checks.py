@@ -71,6 +71,23 @@ def judge_program(one, subject):
     return judge(one, subject)
 
 
+def run(side, subject, wanted):
+    """Judges the checks of a side, or those wanted, by rising number, and prints them. Returns the exit status."""
+    failed = 0
+    for one in sorted(REGISTRY[side], key=lambda one: one.identity):
+        if not wanted or one.identity in wanted:
+            passed, seen = judge_program(one, subject)
+            report(one, passed, seen)
+            failed += not passed
+    print(f"{failed} checks failed" if failed else "all checks passed")
+    return 1 if failed else 0
+
+
+def list_checks(side):
+    for one in REGISTRY[side]:
+        print(f"{one.identity}  {one.sentence}")
+
+
 def report(one, passed, seen):
     print(f"{one.identity} {'passed' if passed else 'FAILED'}: {seen}", flush=True)
     if not passed:
