@@ -68,9 +68,25 @@ constexpr bool is_size(std::uint32_t size) noexcept {
   return size >= kLeast && size <= kMost && size % kStep == 0;
 }
 
-/// Reads a struct of a program that was compiled with an older or a newer header. What the program
-/// does not know keeps its usual value. Throws std::invalid_argument if it has no size, or sets a
-/// field that this library does not know.
+/// Reads `size` [bytes] of a struct of a program that was compiled with an older or a newer header.
+/// A field that the program does not know keeps its usual value. Throws std::invalid_argument if it
+/// sets a field that this library does not know.
+template <class Struct>
+Struct read_fields(const void* given, std::uint32_t size, const Struct& usual,
+                   const std::string& name) {
+  Struct read = usual;
+  const auto* bytes = static_cast<const unsigned char*>(given);
+  const std::size_t known = std::min<std::size_t>(sizeof read, size);
+  std::memcpy(&read, bytes, known);
+  if (std::any_of(bytes + known, bytes + size, [](unsigned char byte) { return byte != 0; }))
+    throw std::invalid_argument(name +
+                                " has a field that this version of the library does not know");
+  read.struct_size = sizeof read;
+  return read;
+}
+
+/// Does the same with the size that the struct says. Throws std::invalid_argument if it has no
+/// size.
 template <class Struct>
 Struct read_struct(const Struct* given, const Struct& usual, const char* name) {
   if (given == nullptr) throw std::invalid_argument(std::string(name) + " is null");
@@ -78,16 +94,7 @@ Struct read_struct(const Struct* given, const Struct& usual, const char* name) {
     throw std::invalid_argument(std::string(name) + ".struct_size is " +
                                 std::to_string(given->struct_size) + "; call fw_" + name +
                                 "_default() first");
-  Struct read = usual;
-  const auto* bytes = reinterpret_cast<const unsigned char*>(given);
-  const std::size_t known = std::min<std::size_t>(sizeof read, given->struct_size);
-  std::memcpy(&read, bytes, known);
-  if (std::any_of(bytes + known, bytes + given->struct_size,
-                  [](unsigned char byte) { return byte != 0; }))
-    throw std::invalid_argument(std::string(name) +
-                                " has a field that this version of the library does not know");
-  read.struct_size = sizeof read;
-  return read;
+  return read_fields(given, given->struct_size, usual, name);
 }
 
 /// Writes as much of a struct as the program knows; the rest of its own becomes zero.

@@ -1,9 +1,7 @@
 // The functions of feltwire.h for a hand whose surroundings the program computes.
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -57,17 +55,6 @@ void require(bool holds, const std::string& what) {
 Vec3 vector(const double (&from)[3]) { return {from[0], from[1], from[2]}; }
 bool is_unit(const Vec3& v) { return std::abs(v.norm() - 1.0) < kUnitError; }
 bool is_within(double value, double least, double most) { return value >= least && value <= most; }
-
-/// Reads a patch of a program with an older or a newer header: `size` [bytes] of it. Throws
-/// std::invalid_argument if it sets a field that this library does not know.
-fw_patch read_patch(const unsigned char* from, std::uint32_t size, const std::string& patch) {
-  fw_patch read = usual_patch();
-  const std::size_t known = std::min<std::size_t>(sizeof read, size);
-  std::memcpy(&read, from, known);
-  require(std::all_of(from + known, from + size, [](unsigned char byte) { return byte == 0; }),
-          patch + " has a field that this version of the library does not know");
-  return read;
-}
 
 /// Returns the patch with numbers that the hand's side takes as they are. Throws
 /// std::invalid_argument that names the field.
@@ -172,7 +159,8 @@ std::int32_t fw_hand_touch(fw_hand* hand, double time, double reach, const fw_pa
     const auto* at = reinterpret_cast<const unsigned char*>(patches);
     for (std::uint32_t i = 0; i < count; ++i) {
       const std::string name = "patches[" + std::to_string(i) + "]";
-      const fw_patch given = read_patch(at + std::size_t{i} * struct_size, struct_size, name);
+      const fw_patch given =
+          read_fields(at + std::size_t{i} * struct_size, struct_size, usual_patch(), name);
       contact.model.patches[i] = to_patch(given, reach, name);
     }
     return give(open, contact, time);

@@ -6,7 +6,7 @@ import functools
 import os
 import threading
 import warnings
-from typing import Any, Callable, List, NoReturn, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, List, NoReturn, Optional, Sequence, Tuple, Union
 
 from . import abi
 from .errors import Error, Refused, ServerError
@@ -37,6 +37,15 @@ def _bytes(text: Optional[Path]) -> Optional[bytes]:
     return None if text is None else os.fsencode(text)
 
 
+def set_hand(given: Any, device: str, spec: Optional[Path], name: str, duration: float, stale_after: float, options: Dict[str, Any]) -> None:
+    """Sets what the options of all hands have, as join() describes it."""
+    given.device, given.name, given.spec = _bytes(device), _bytes(name), _bytes(spec)
+    set_number(given, "duration", duration, "duration", " [s]")
+    set_number(given, "stale_after", stale_after, "stale_after", " [s]")
+    more = [os.fsencode(word) for word in _words(options)]
+    given.more, given.more_count = (ctypes.c_char_p * max(len(more), 1))(*more), len(more)
+
+
 def join(server: str, scene: str, *, device: str = "simulated", spec: Optional[Path] = None, name: str = "python",
          token_file: Optional[Path] = None, fingerprint: Optional[str] = None, fingerprint_file: Optional[Path] = None,
          ca_file: Optional[Path] = None, duration: float = 0.0, stale_after: float = 0.02, **options: Any) -> Hand:
@@ -57,14 +66,9 @@ def join(server: str, scene: str, *, device: str = "simulated", spec: Optional[P
         token_file = os.environ.get("FELTWIRE_TOKEN_FILE")
     given = abi.HandOptions()
     BLOCKING.fw_hand_options_default(given, ctypes.sizeof(given))
-    given.server, given.scene, given.device, given.name = _bytes(server), _bytes(scene), _bytes(device), _bytes(name)
-    given.spec, given.fingerprint, given.ca_file = _bytes(spec), _bytes(fingerprint), _bytes(ca_file)
+    given.server, given.scene, given.fingerprint, given.ca_file = _bytes(server), _bytes(scene), _bytes(fingerprint), _bytes(ca_file)
     given.fingerprint_file, given.token_file = _bytes(fingerprint_file), _bytes(token_file)
-    set_number(given, "duration", duration, "duration", " [s]")
-    set_number(given, "stale_after", stale_after, "stale_after", " [s]")
-    words = [os.fsencode(word) for word in _words(options)]
-    more = (ctypes.c_char_p * max(len(words), 1))(*words)
-    given.more, given.more_count = more, len(words)
+    set_hand(given, device, spec, name, duration, stale_after, options)
     handle = ctypes.c_void_p()
     result = BLOCKING.fw_hand_open(given, handle)
     if result != abi.OK:

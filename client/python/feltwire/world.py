@@ -2,14 +2,12 @@
 from __future__ import annotations
 
 import ctypes
-import os
 import time as clock
 from typing import Any, Callable, Iterable, Iterator, NamedTuple, Optional, Sequence, Tuple
 
 from . import abi
-from .hand import Hand, _raise
+from .hand import Hand, _raise, set_hand
 from .library import BLOCKING, QUICK
-from .options import words
 from .values import is_vector, set_number, set_vector
 
 Vector = Sequence[float]
@@ -61,12 +59,7 @@ class World(Hand):
         set_number(given, "stiffness", stiffness, "stiffness", " [N/m]")
         set_vector(given, "start_position", start, "start", " [m]")
         set_vector(given, "start_normal", normal, "normal", "")
-        given.device, given.name = os.fsencode(device), os.fsencode(name)
-        given.spec = None if spec is None else os.fsencode(spec)
-        set_number(given, "duration", duration, "duration", " [s]")
-        set_number(given, "stale_after", stale_after, "stale_after", " [s]")
-        more = [os.fsencode(word) for word in words(options)]
-        given.more, given.more_count = (ctypes.c_char_p * max(len(more), 1))(*more), len(more)
+        set_hand(given, device, spec, name, duration, stale_after, options)
         handle = ctypes.c_void_p()
         if (result := BLOCKING.fw_hand_open_world(given, handle)) < 0:
             _raise(result)
