@@ -1,4 +1,4 @@
-"""Observers and admins of the Python package: test_observer.py SOURCE_FOLDER. FELTWIRE_LIBRARY and FELTWIRE_PROGRAMS name what was built."""
+"""Observers and admins of the Python package: test_observer.py. FELTWIRE_LIBRARY and FELTWIRE_PROGRAMS name what was built."""
 import contextlib
 import ctypes
 import os
@@ -6,25 +6,10 @@ import pathlib
 import subprocess
 import sys
 import threading
-import time
 import unittest
 
-SOURCE = pathlib.Path(sys.argv.pop(1)).resolve()
-sys.path.insert(0, str(SOURCE / "client/python"))
-import feltwire  # noqa: E402
-
-LONGEST = 60.0  # [s]
-# Nobody holds these hands. A busy machine may let a thread wait, which must not end a run.
-PATIENT = {"let_go_after": 1, "flight_recorder": "off"}
-
-
-def eventually(what, condition):
-    end = time.monotonic() + LONGEST
-    while time.monotonic() < end:
-        if condition():
-            return
-        time.sleep(0.001)
-    raise AssertionError(f"it did not happen within {LONGEST} s: {what}")
+from support import LONGEST, PATIENT, SOURCE, eventually
+import feltwire
 
 
 def value(hand, field):
