@@ -27,7 +27,7 @@ struct ControlOptions {
   /// Half of them, but no more than max_strangers, for connections without a valid token; half for
   /// those with one.
   std::size_t max_connections = 512;
-  std::size_t max_strangers = 64;                 // each may have 60 KB of memory for its handshake
+  std::size_t max_strangers = 48;                 // each may have 60 KB of memory for its handshake
   std::size_t max_connections_per_network = 128;  // of either half (server/access/network.hpp)
   std::size_t max_connections_per_client = 64;    // with a valid token, by the client's name
   double handshake_rate = 50.0;                   // [1/s] connections of a network, for ever,
