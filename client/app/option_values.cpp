@@ -143,6 +143,7 @@ std::vector<NamedFile> read_files(const OptionValues& values) {
   const DriverChoice device = chosen_driver(values.device);
   const bool reads = device.driver->file != nullptr && !device.name.empty();
   return named({{"--device", reads ? device.driver->file(device.name) : std::string()},
+                {"--config", values.config},
                 {"--firmware", values.firmware},
                 {"--fingerprint-file", c.fingerprint_file},
                 {"--ca", c.ca},

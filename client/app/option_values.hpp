@@ -15,6 +15,7 @@ namespace feltwire {
 /// The values of the command line, before they are interpreted.
 struct OptionValues {
   bool has_server = true;
+  std::string config;  // file with options
   std::string connect, scene, device = "simulated", spec;
   std::string mode, projection = std::string(name(SessionParameters{}.projection)),
                     storage = "minimal", reference = "zero", side, path = "press", wrist = "still",

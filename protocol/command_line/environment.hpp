@@ -103,7 +103,7 @@ inline std::optional<std::string> value_on_command_line(const CLI::App& app, int
     if (option != option_of(app, name)) continue;
     if (follows || attached)
       value = follows ? argv[i] : word.substr(word.find('=') + 1);
-    else
+    else if (option->get_items_expected_min() == 0)
       value = said == option->get_lnames().front() ? "true" : "false";
   }
   return value;

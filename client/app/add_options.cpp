@@ -1,0 +1,419 @@
+#include "client/app/add_options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <iostream>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "client/emulated_link/link_options.hpp"
+#include "core/base/enum_names.hpp"
+#include "core/device/spec_text.hpp"
+#include "protocol/session/profiles.hpp"
+
+namespace feltwire {
+namespace {
+
+std::string short_text(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+void list_specs() {
+  for (const SourcedSpec& described : sourced_builtin_devices())
+    std::cout << spec_table(described) << "\n";
+  throw CLI::Success();
+}
+
+void add_run_options(CLI::App& app, OptionValues& values, ClientOptions& options) {
+  app.add_option("--config", values.config,
+                 "FILE.json with options: {\"packet_rate\": 100}. The command line and the "
+                 "environment override it (docs/devices.md)");
+  app.add_option("--connect", values.connect,
+                 "HOST:PORT of the server's control port; IPv6 as [::1]:PORT")
+      ->required(values.has_server);
+  add_credential_options(app, values.credentials);
+  app.add_flag("--list", options.list, "List the server's scenes and exit");
+  app.add_flag("--check", options.check,
+               "Test for ten seconds if this machine and the network can run a session, and exit. "
+               "The test uses a simulated hand that touches nothing (docs/troubleshooting.md)");
+  app.add_option("--scene", values.scene, "Name of the scene to join");
+  app.add_option("--tool", options.tool,
+                 "Name of the tool to hold. Default: the scene's first tool");
+  app.add_option("--role", values.role,
+                 "operator, pointer (a small hand) or observer (watches, without force and "
+                 "movement). The token must allow the role")
+      ->capture_default_str();
+  app.add_option("--device", values.device, "KIND or KIND:NAME. " + driver_choices())
+      ->capture_default_str();
+  app.add_option(
+      "--firmware", values.firmware,
+      "FILE with the maker's firmware. A Falcon loses its firmware when its power is off");
+  app.add_option(
+      "--lead", values.lead,
+      "[s] Lead the scene's robot and feel its contacts (docs/teleoperation.md). A simulated or "
+      "recorded hand holds the enabling switch from this time on. At least 0.2");
+  app.add_option("--robot", options.robot,
+                 "Name of the seat of the robot to lead. Default: the scene's first seat");
+  app.add_option("--robot-button", options.servo.seat_button,
+                 "Button of the device that selects the next robot, counted from 1. It works while "
+                 "the enabling switch is released");
+  app.add_option("--deadman-button", values.deadman_button,
+                 "Button of the device that is the enabling switch, counted from 1. 0: none. "
+                 "Default: the driver's choice (docs/devices.md)");
+  app.add_option("--clutch-button", values.clutch_button,
+                 "Button of the device that is the clutch, counted from 1. The tool does not move "
+                 "while the button is held. 0: none. Default: the driver's choice");
+  app.add_option("--trust-robot", values.trust,
+                 "J,W Energy per contact [J], and power over time [W], that the client accepts "
+                 "from your own robot (docs/teleoperation.md). Default: none")
+      ->delimiter(',');
+  app.add_option("--duration", options.duration,
+                 "[s] Length of the run. 0: run until it is stopped or the replayed recording ends")
+      ->capture_default_str();
+  app.add_option("--report", values.report,
+                 "FILE.json for the results of the run (docs/devices.md)");
+  app.add_option("--record", values.record,
+                 "FILE.csv or FILE.mcap for a recording of every servo tick (docs/recording.md)");
+  app.add_option("--record-max-mib", values.record_limits.mebibytes,
+                 "[MiB] Largest size of one file of an MCAP recording. The next files are "
+                 "FILE-0001.mcap, FILE-0002.mcap");
+  app.add_option("--record-max-seconds", values.record_limits.seconds,
+                 "[s] Longest time in one file of an MCAP recording. Then the next file begins");
+  app.add_option(
+      "--flight-recorder", values.flight_recorder,
+      "Folder for a recording of the last ten seconds. The client writes it after an error, a lost "
+      "session, a device fault, an overdrawn energy account, and at SIGUSR1. off: write none. "
+      "Default: $XDG_STATE_HOME/feltwire/flights or ~/.local/state/feltwire/flights");
+  app.add_option("--view", values.view,
+                 "FILE.csv for the scene states that an observer receives (docs/devices.md)");
+  app.add_option("--link", values.link,
+                 "Emulate a network: a profile such as wifi, or numbers such as "
+                 "delay=25,jitter=5,loss=10 (see below)");
+  app.footer(link_help() +
+             "\nCommands, each with its own --help:\n"
+             "  admin      show and change the state of a running server (docs/admin.md)\n"
+             "  devices    list the connected devices and their problems (docs/devices.md)\n"
+             "  identify   measure a device's damping, friction and mass (docs/devices.md)");
+  app.add_option(
+         "--changes", values.changes,
+         "Changes that an admin of the server may make to this running client (docs/admin.md). "
+         "none: no change. safe: the emulated link, and bounding methods that are passive by "
+         "themselves. any: the link and every method, for a device that nobody holds")
+      ->capture_default_str();
+  app.add_flag("--fixed", values.fixed, "Same as --changes none");
+  app.add_option("--dscp", values.dscp,
+                 "DSCP mark of the client's datagrams: cs0 to cs7, af11 to af43, ef, va or 0 to 63")
+      ->capture_default_str();
+  app.add_option("--name", options.name, "Name of this client at the server")
+      ->capture_default_str();
+
+  app.add_option("--reconnect", options.patience,
+                 "[s] Try to reconnect for this time after a lost session. 0: do not try")
+      ->capture_default_str();
+
+  app.add_option("--busy-poll", options.busy_poll,
+                 "[us] Poll, instead of sleeping, for this time before a reply or a deadline. inf: "
+                 "never sleep. This uses a whole core")
+      ->capture_default_str();
+}
+
+void add_session_options(CLI::App& app, OptionValues& values, ClientOptions& options) {
+  SessionParameters& parameters = options.parameters;
+  const auto session = "Session";
+  app.add_option(
+         "--spec", values.spec,
+         "Specification of the device: " + joined_names(builtin_devices(), "|", &DeviceSpec::name) +
+             ", or FILE.json. Default: the specification from the device, else the specification "
+             "of its kind")
+      ->group(session);
+  app.add_option("--damping", values.damping,
+                 "B or BX,BY,BZ [N s/m] Damping of the device. Default: from the specification")
+      ->delimiter(',')
+      ->group(session);
+  app.add_option("--mass", values.mass,
+                 "[kg] Lower bound of the handle's mass in every direction. Default: from the "
+                 "specification")
+      ->group(session);
+  app.add_flag_callback(
+      "--list-specs", list_specs,
+      "Print the built-in specifications, with the source of each number, and exit");
+  app.add_option("--mode", values.mode,
+                 "Energy bound: " + bounding_method_choices() +
+                     ". Default: " + std::string(kSessionMethod) +
+                     ". Default with --bounding server or both: " + std::string(kDefaultMethod))
+      ->group(session);
+  app.add_option("--projection", values.projection,
+                 "Projection of contact_frame: " + joined_names(kProjectionNames))
+      ->capture_default_str()
+      ->group(session);
+  app.add_option("--storage", values.storage,
+                 "Energy storage of contact_frame: " + joined_names(kStorageNames))
+      ->capture_default_str()
+      ->group(session);
+  app.add_option("--reference", values.reference,
+                 "Reference of passivity_control*: " + joined_names(kPassivityReferenceNames))
+      ->capture_default_str()
+      ->group(session);
+  app.add_option("--coupling-stiffness", parameters.coupling_stiffness,
+                 "[N/m] Stiffness of virtual_coupling. Default: the largest passive stiffness")
+      ->group(session);
+  app.add_option("--coupling-damping", parameters.coupling_damping,
+                 "[N s/m] Damping of virtual_coupling. Default: the largest allowed damping")
+      ->group(session);
+  app.add_option("--tool-mass", parameters.tool_mass,
+                 "[kg] Mass of the simulated tool of virtual_coupling")
+      ->capture_default_str()
+      ->group(session);
+  app.add_option(
+         "--bounding", values.side,
+         "Place of the bound: " + joined_names(kBoundingSideNames) +
+             ". Default: client, but server for virtual_coupling and passivity_control_parallel")
+      ->group(session);
+  app.add_option("--rate", values.rate,
+                 "[Hz] Rate of the servo loop, unless the device sets the rate")
+      ->capture_default_str()
+      ->group(session);
+  app.add_option("--redundancy", parameters.redundancy,
+                 "Number of earlier samples that each datagram repeats")
+      ->capture_default_str()
+      ->group(session);
+  app.add_option("--operator-damping", parameters.operator_damping,
+                 "[N s/m] Known least damping of the operator's hand. The bound uses it. The "
+                 "energy account after the bound does not")
+      ->capture_default_str()
+      ->group(session);
+  app.add_option("--hold-time", values.hold_time,
+                 "[s] Age at which the force of a reply is zero. The force fades from half this "
+                 "age on. At least five servo periods. Default: " +
+                     short_text(SessionParameters{}.hold_time) +
+                     ", or five servo periods if that is longer")
+      ->group(session);
+  app.add_option("--longest-hold-time", values.longest_hold_time,
+                 "[s] Longest hold time that the client accepts. Servers with a profile may "
+                 "lengthen the hold time. Default: --hold-time")
+      ->group(session);
+  app.add_flag_function(
+         "--local-model,!--no-local-model",
+         [&values](std::int64_t times) { values.local_model = times > 0; },
+         "Request a local model: replies contain the surfaces near the tool, and the client "
+         "renders them at its own rate (docs/network.md). Not with --bounding server. Default: "
+         "only for the methods shaped, midpoint and credited, or if the profile requests it")
+      ->group(session);
+
+  app.add_flag_function(
+         "--whole-surfaces,!--no-whole-surfaces",
+         [&values](std::int64_t times) { values.whole_surfaces = times > 0; },
+         "Fetch the whole meshes of the scene for the local model, or the tool's body and the "
+         "solids (docs/network.md). With --no-whole-surfaces, replies contain only patches or "
+         "planes near the tool")
+      ->group(session);
+
+  app.add_flag_function(
+         "--rehearsal,!--no-rehearsal",
+         [&values](std::int64_t times) { values.rehearses = times > 0; },
+         "Simulate presses on walls with the law of this session, and print what a hand will feel "
+         "(docs/devices.md)")
+      ->group(session);
+}
+
+void add_traffic_options(CLI::App& app, OptionValues& values, ClientOptions& options) {
+  SessionParameters& parameters = options.parameters;
+  const auto traffic = "Traffic (docs/network.md)";
+  app.add_option("--profile", values.profile,
+                 "Network to the server, " + network_profile_names() +
+                     ". The profile sets the traffic options (docs/lab/trade.md). Options of the "
+                     "command line override the profile")
+      ->group(traffic);
+  app.add_option("--packet-rate", values.packet_rate,
+                 "[Hz] Rate of the datagrams to the server, at most --rate. The interval is a "
+                 "whole number of servo ticks. Default: one datagram per tick")
+      ->group(traffic);
+  app.add_option("--batch", parameters.batch,
+                 "Number of evenly spaced new samples in each datagram. --batch plus --redundancy "
+                 "is at most 9")
+      ->capture_default_str()
+      ->group(traffic);
+  app.add_option("--position-deadband", values.position_deadband_percent,
+                 "[%] Send a sample only if it changes the force by more than this share, 0 to 50. "
+                 "0: send all samples")
+      ->capture_default_str()
+      ->group(traffic);
+  app.add_option("--force-deadband", values.force_deadband_percent,
+                 "[%] The server answers only if the force changed by more than this share, 0 to "
+                 "50. 0: it always answers")
+      ->capture_default_str()
+      ->group(traffic);
+  app.add_option("--predictor", values.predictor,
+                 "Prediction that a deadband compares with: " + joined_names(kPredictorNames) +
+                     ". level: the last sent value. linear: the line through the last sent values")
+      ->capture_default_str()
+      ->group(traffic);
+  app.add_option("--keep-alive", parameters.keep_alive,
+                 "[s] Longest time without a datagram while a deadband is active")
+      ->capture_default_str()
+      ->group(traffic);
+}
+
+void add_safety_options(CLI::App& app, OptionValues& values, ClientOptions& options) {
+  std::vector<std::string_view> reducible;
+  for (const BoundingMethod* method : bounding_methods())
+    if (method->admits_reduction) reducible.push_back(method->name);
+  const std::string safety = "Safety (--slew, --ramp-up, --velocity-limit: for the modes " +
+                             joined_names(reducible, ", ") + ")";
+  // The defaults depend on the mode, so the help describes them in words.
+  const SafetyLimits usual = protect_hand({}).safety;
+  SessionParameters unbounded;
+  unbounded.mode = kUnbounded;
+  app.add_option(
+         "--wait-for-small-force", values.wait_for_small_force,
+         "[N] The full force starts only after the scene has commanded this force or less. Until "
+         "then the hand feels only the part above the smallest force so far. inf: off. Default: " +
+             short_text(usual.force.small))
+      ->group(safety);
+  app.add_option("--ramp-up", values.ramp_up,
+                 "[s] Time from the first contact to the full force. Default: 0, or " +
+                     short_text(protect_hand(unbounded).safety.ramp_up) +
+                     " if the client does not bound")
+      ->group(safety);
+  app.add_option("--velocity-limit", values.velocity_limit,
+                 "[m/s] The force falls above this speed, and is zero at twice this speed. inf: "
+                 "off. Default: " +
+                     short_text(usual.force.speed))
+      ->group(safety);
+  app.add_option("--slew", options.servo.safety.force.slew,
+                 "[N/s] Largest rise rate of the force. Default: no limit")
+      ->group(safety);
+  app.add_option("--max-force", options.servo.safety.force.max,
+                 "[N] Largest force on the hand. The device's own limit applies if it is smaller")
+      ->group(safety);
+  app.add_option(
+         "--let-go-after", values.let_go_after,
+         "[s] Release the device, until the end of the run, if the servo stalls for this time "
+         "under force. At least two servo periods, at most --hold-time. Default: five servo "
+         "periods; 20 without real-time scheduling; --hold-time for a device that nobody holds")
+      ->group(safety);
+  app.add_option("--tool-weight", values.tool_weight,
+                 "Weight of a tool at the handle, 0.05kg or 0.5N. A constant force along the "
+                 "device's z axis carries it (docs/devices.md)")
+      ->group(safety);
+  app.add_option("--emergency-button", values.emergency_button,
+                 "Button of the device that removes all force at once, counted from 1. The space "
+                 "bar in the terminal does the same. The key r restores the force")
+      ->group(safety);
+  app.add_option(
+         "--await-still", values.await_still,
+         "[s] The force starts after the hand was still for this time, or when the enabling switch "
+         "is pressed. 0: no wait. Default: 0.25 for a device that a person holds, else 0")
+      ->group(safety);
+  app.add_flag("--learn-hand-force", options.servo.learns_hand_force,
+               "The energy account uses 1.5 times the largest recent hand force, if that is less "
+               "than the device's hand_force")
+      ->group(safety);
+  app.add_flag("!--no-account", options.servo.account,
+               "Run the method without an energy account after it, as published in its paper. Not "
+               "with shaped, midpoint, credited, --operator-damping or --bounding server")
+      ->group(safety);
+}
+
+void add_hand_options(CLI::App& app, OptionValues& values, HandTask& task) {
+  const auto hand = "Simulated hand";
+  app.add_option("--press-button", values.press,
+                 "[s] Time at which the hand presses button 1 for 0.1 s. The hand releases the "
+                 "enabling switch from 0.5 s before until 0.5 s after")
+      ->group(hand);
+  app.add_option("--path", values.path, "Movement of the hand: " + joined_names(kHandPathNames))
+      ->capture_default_str()
+      ->group(hand);
+  app.add_option(
+         "--wrist", values.wrist,
+         "Rotation of the hand, if --spec senses rotation: " + joined_names(kWristPathNames))
+      ->capture_default_str()
+      ->group(hand);
+  app.add_option("--wrist-angle", values.wrist_angle, "[rad] Amplitude of the rotation")
+      ->capture_default_str()
+      ->group(hand);
+  app.add_option("--center", values.center,
+                 "X,Y,Z [m] Point on the surface. For orbit: centre of the circle. Default: from "
+                 "the scene, else 0,0,0")
+      ->delimiter(',')
+      ->group(hand);
+  app.add_option(
+         "--normal", values.normal,
+         "X,Y,Z Outward normal of the surface at this point. Default: from the scene, else 0,0,1")
+      ->delimiter(',')
+      ->group(hand);
+  app.add_option("--radius", task.radius, "[m] Amplitude of the movement along the surface")
+      ->capture_default_str()
+      ->group(hand);
+  app.add_option("--frequency", task.frequency, "[Hz] Frequency of the movement")
+      ->capture_default_str()
+      ->group(hand);
+  app.add_option("--depth", task.depth, "[m] Intended depth of the hand below the surface")
+      ->capture_default_str()
+      ->group(hand);
+  app.add_option("--lead-in", task.lead_in, "[s] Time until the hand reaches its depth")
+      ->capture_default_str()
+      ->group(hand);
+  app.add_option("--tremor", task.tremor,
+                 "[m] RMS amplitude of the hand's tremor on each axis. The tremor has 8 to 12 Hz")
+      ->capture_default_str()
+      ->group(hand);
+  app.add_option("--seed", task.seed, "Seed of the tremor's random numbers")
+      ->capture_default_str()
+      ->group(hand);
+}
+
+void add_mapping_options(CLI::App& app, OptionValues& values) {
+  const auto mapping = "Workspace of the device in the scene (docs/devices.md)";
+  app.add_option("--map-scale", values.map_scale,
+                 "Displacement of the tool divided by displacement of the hand, 0.01 to 100. The "
+                 "scene's force is multiplied by the same factor")
+      ->capture_default_str()
+      ->group(mapping);
+  app.add_option("--map-rotate", values.map_rotate,
+                 "X,Y,Z [deg] Rotate the device's axes by this rotation vector. 0,0,90 maps the "
+                 "device's x axis to the scene's y axis")
+      ->delimiter(',')
+      ->group(mapping);
+  app.add_option("--map-translate", values.map_translate,
+                 "X,Y,Z [m] Position in the scene of the centre of the device's workspace")
+      ->delimiter(',')
+      ->group(mapping);
+  app.add_option("--map-mirror", values.map_mirror, "Axis of the device to reverse: x, y or z")
+      ->group(mapping);
+}
+
+void add_steering_options(CLI::App& app, ClientOptions& options) {
+  const auto steering = "Gamepad and 3D mouse";
+  SteeringOptions& steered = options.device.steering;
+  app.add_option("--steer-speed", steered.speed, "[m/s] Speed of the tool at full deflection")
+      ->capture_default_str()
+      ->group(steering);
+  app.add_option("--steer-turn", steered.turn,
+                 "[rad/s] Angular speed of the tool at full deflection")
+      ->capture_default_str()
+      ->group(steering);
+  app.add_option("--dead-zone", steered.dead_zone,
+                 "Share of an axis's range that counts as rest, 0 to 0.5. A larger dead zone of "
+                 "the kernel takes precedence")
+      ->capture_default_str()
+      ->group(steering);
+}
+
+}  // namespace
+
+void add_options(CLI::App& app, OptionValues& values, HandTask& task, ClientOptions& options) {
+  add_run_options(app, values, options);
+  add_session_options(app, values, options);
+  add_traffic_options(app, values, options);
+  add_safety_options(app, values, options);
+  add_hand_options(app, values, task);
+  add_mapping_options(app, values);
+  add_steering_options(app, options);
+}
+
+}  // namespace feltwire
