@@ -42,11 +42,11 @@ struct ServerConfig : SecurityOptions {
   std::string log_level = "info";
 };
 
-/// Reads a configuration file (JSON against server_config.fbs). Missing values keep their defaults.
-/// Throws FileError "file:line: field: what is wrong".
+/// Reads a configuration file, whose members are the options of add_config_options(). Missing
+/// values keep their defaults. Throws FileError "file:line: field: what is wrong".
 ServerConfig load_config(const std::filesystem::path& file);
 
-/// Reads it from text; scene paths are relative to the folder of `file`.
+/// Reads it from text; paths are relative to the folder of `file`.
 ServerConfig parse_config(std::string_view json, const std::filesystem::path& file);
 
 /// The port of the live page in examples. No other service uses it, as with kDefaultPort.
@@ -61,7 +61,10 @@ struct WebPlace {
 /// remedy.
 WebPlace web_place(std::string_view text);
 
-/// Throws std::invalid_argument that names the option, its range and the remedy.
+/// The first value that is wrong: "--option: range and remedy"; empty: there is none.
+std::string config_error(const ServerConfig& config);
+
+/// Throws std::invalid_argument with config_error(), or if there is no scene.
 void validate(const ServerConfig& config);
 
 }  // namespace feltwire

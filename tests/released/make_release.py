@@ -160,7 +160,7 @@ def main():
     include.mkdir(parents=True)
     shutil.copy(source / "client/drivers/plugin/feltwire_device_v1.h", include)
     shutil.copy(source / "examples/my_plugin.c", target)
-    print(f"write {target / 'configuration.json'} with every field of server/app/server_config.fbs")
+    print(f"write {target / 'configuration.json'} with every option of server/app/config_options.cpp")
 
 
 if __name__ == "__main__":
