@@ -31,12 +31,16 @@ std::vector<Scene> load_scenes(const GatewayConfig& config) {
   return scenes;
 }
 
+SecurityOptions page_files(const GatewayConfig& config) {
+  SecurityOptions options = config;
+  options.address = web_place(config.web).address;
+  return options;
+}
+
 /// Loads the certificate and the tokens of the page, and creates missing ones. A new certificate
 /// names the page's address.
 Security open_page_security(const GatewayConfig& config) {
-  SecurityOptions options = config;
-  options.address = web_place(config.web).address;
-  return open_security(options);
+  return open_security(page_files(config));
 }
 
 std::string names_of(const std::vector<control::SceneEntry>& entries) {
@@ -74,12 +78,13 @@ void compare(const ServerAccess& server, const std::vector<Scene>& scenes) {
 }  // namespace
 
 struct Gateway::Parts {
+  const SecurityOptions security_files;            // of the page
   const std::vector<std::filesystem::path> files;  // scene files; empty if the caller gave scenes
   std::vector<std::unique_ptr<RemoteScene>> scenes;
   std::unique_ptr<web::WebServer> web;
 
   Parts(const GatewayConfig& config, std::vector<Scene> looks, Security security)
-      : files(config.scenes) {
+      : security_files(page_files(config)), files(config.scenes) {
     compare(config.server, looks);
     std::vector<SceneInView*> shown;
     // Divide the memory for session lists among the scenes, because a faulty server may list too
@@ -123,6 +128,11 @@ struct Gateway::Parts {
       } catch (const std::exception& error) {
         spdlog::error("{}; the scene stays as it was", visible(error.what()));
       }
+    }
+    try {
+      web->renew(read_identity_again(security_files));
+    } catch (const std::exception& error) {
+      spdlog::error("{}; the certificate stays as it was", visible(error.what()));
     }
   }
 

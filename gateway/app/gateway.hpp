@@ -22,6 +22,7 @@ struct GatewayConfig : SecurityOptions {
   std::string web = "6760";                   // of the page: "PORT" or "ADDRESS:PORT"
   std::vector<std::string> web_names;         // host names that browsers may use for the page
   std::string log_level = "info";
+  std::string log_format = "text";  // or json
 };
 
 class Gateway {
@@ -41,7 +42,8 @@ class Gateway {
   /// The page's address: "http://127.0.0.1:6760/".
   std::string web_url() const;
 
-  /// Reads the scenes' files again; blocks. An error is logged, and that scene stays unchanged.
+  /// Reads the scenes' files and the page's certificate again; blocks. An error is logged, and that
+  /// scene, or the certificate, stays unchanged.
   void reload();
 
   /// Ends connections, leaves the server and joins all threads. May be called again.

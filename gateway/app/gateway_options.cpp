@@ -19,7 +19,7 @@ Example, with access to the server's state folder and scene files:
       --fingerprint-file ~/.local/state/feltwire/fingerprint --token-file observer.token
 The program prints the address of the page:
   live page: http://127.0.0.1:6761/
-Stop it with Ctrl-C or SIGTERM. SIGHUP reloads the scene files.
+Stop it with Ctrl-C or SIGTERM. SIGHUP reloads the scene files and the certificate.
 Environment variables also set options: FELTWIRE_VIEW_LOG_LEVEL sets --log-level.)";
 
 void add_server(CLI::App& app, std::string& endpoint, CredentialOptions& words) {
@@ -48,6 +48,9 @@ void add_page(CLI::App& app, GatewayConfig& config) {
                  "localhost. Repeat the option for several names")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--log-format", config.log_format, "text, or json: one object a line")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
   app.add_option("--log-level", config.log_level, "trace, debug, info, warning, error or off")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}))
       ->capture_default_str();

@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
   feltwire::end_without_random_numbers();
   try {
     const feltwire::GatewayConfig config = feltwire::gateway_config(argc, argv);
-    feltwire::open_log("feltwire-view", config.log_level);
+    feltwire::open_log("feltwire-view", config.log_level, config.log_format);
     // Block signals before any thread starts, so that only this thread receives them.
     const sigset_t signals = feltwire::block_signals();
     std::signal(SIGPIPE, SIG_IGN);

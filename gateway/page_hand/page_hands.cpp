@@ -14,7 +14,7 @@ namespace {
 class ClientPageHands final : public web::PageHands {
  public:
   explicit ClientPageHands(const web::PageHandsSetup& setup)
-      : server_{{setup.host, setup.port}, {setup.fingerprint, {}, {}, {}}}, most_(setup.most) {
+      : most_(setup.most), server_{{setup.host, setup.port}, {setup.fingerprint, {}, {}, {}}} {
     starter_ = std::thread([this] { start_hands(); });
   }
 
@@ -30,16 +30,22 @@ class ClientPageHands final : public web::PageHands {
   }
 
   std::shared_ptr<web::PageHand> take(const web::PageHandRequest& request) override {
-    const auto hand = std::make_shared<ClientPageHand>(server_, request);
+    std::shared_ptr<ClientPageHand> hand;
     {
       const std::lock_guard lock(mutex_);
       // Remove only hands that have ended. A hand whose viewer has left may still run.
       std::erase_if(hands_, [](const auto& held) { return held->over(); });
       if (hands_.size() + asked_.size() >= most_) return nullptr;
+      hand = std::make_shared<ClientPageHand>(server_, request);
       asked_.push_back(hand);
     }
     changed_.notify_all();
     return hand;
+  }
+
+  void trust(const Fingerprint& fingerprint) override {
+    const std::lock_guard lock(mutex_);
+    server_.credentials.trust = fingerprint;
   }
 
  private:
@@ -54,9 +60,9 @@ class ClientPageHands final : public web::PageHands {
     }
   }
 
-  const ServerAccess server_;
   const std::size_t most_;
   std::mutex mutex_;
+  ServerAccess server_;  // guarded by mutex_
   std::condition_variable changed_;
   bool ended_ = false;   // guarded by mutex_, as are asked_ and hands_
   Hands asked_, hands_;  // hands to be started; running hands

@@ -81,6 +81,12 @@ Identity own_identity(const SecurityOptions& config, const fs::path& folder) {
   return load_identity(certificate, key);
 }
 
+void write_fingerprint(const fs::path& folder, const Identity& identity) {
+  const std::string print = to_string(fingerprint(identity)) + "\n";
+  const fs::path file = folder / kFingerprint;
+  if (!fs::exists(file) || read_text(file) != print) replace_file(file, print, kPublic);
+}
+
 /// Makes the first token, so that the user who starts the server can join. The text of the token is
 /// written before tokens.json. If the start is interrupted between the two, the next start finds no
 /// tokens.json and makes both again.
@@ -121,6 +127,17 @@ std::filesystem::path local_token_file(const SecurityOptions& config) {
   return needs_state(config) ? state_folder(config) / kLocalToken : fs::path();
 }
 
+Identity read_identity_again(const SecurityOptions& config) {
+  if (!needs_state(config)) return load_identity(config.certificate, config.key);
+  const fs::path folder = state_folder(config);
+  const FileLock lock(folder / "lock");
+  Identity identity = config.certificate.empty()
+                          ? load_identity(folder / kCertificate, folder / kKey)
+                          : load_identity(config.certificate, config.key);
+  write_fingerprint(folder, identity);
+  return identity;
+}
+
 Security open_security(const SecurityOptions& config) {
   std::string authorities;
   if (!config.client_ca.empty()) authorities = read_text(config.client_ca);
@@ -133,10 +150,7 @@ Security open_security(const SecurityOptions& config) {
   tidy(config, folder);
   Identity identity = config.certificate.empty() ? own_identity(config, folder)
                                                  : load_identity(config.certificate, config.key);
-  const std::string print = to_string(fingerprint(identity)) + "\n";
-  const fs::path print_file = folder / kFingerprint;
-  if (!fs::exists(print_file) || read_text(print_file) != print)
-    replace_file(print_file, print, kPublic);
+  write_fingerprint(folder, identity);
   if (config.tokens.empty() && !fs::exists(token_file(config))) make_tokens(config);
   return {std::move(identity), authorities, TokenFile(token_file(config))};
 }

@@ -29,6 +29,10 @@ std::filesystem::path local_token_file(const SecurityOptions& config);
 /// others than its owner may write to it.
 void make_state_folder(const SecurityOptions& config);
 
+/// Reads the certificate and its key again, which open_security() read or made, and writes the
+/// fingerprint of a new certificate. Throws FileError.
+Identity read_identity_again(const SecurityOptions& config);
+
 /// Reads the configured files. Other files are in the state folder, and missing ones are created: a
 /// certificate, and tokens with one for this machine's user in local.token. The certificate's
 /// fingerprint is written there. If certificate and token file are configured without a state

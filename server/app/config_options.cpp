@@ -76,6 +76,13 @@ void add_serving(CLI::App& app, ServerConfig& config) {
          "Largest number of hands that viewers of the live page move at the same time, by mouse or "
          "touch. 0: none")
       ->capture_default_str();
+  app.add_option(
+      "--metrics", config.metrics,
+      "PORT or ADDRESS:PORT of the counters for Prometheus (/metrics), without the live "
+      "page. PORT alone serves this machine. ADDRESS:PORT also serves other machines, by "
+      "HTTPS and with a token. 0: a free port. Default: none");
+  app.add_option("--log-format", config.log_format, "text, or json: one object a line")
+      ->capture_default_str();
   app.add_option("--log-level", config.log_level, "trace, debug, info, warning, error or off")
       ->capture_default_str();
 }

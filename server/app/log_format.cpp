@@ -1,9 +1,14 @@
 #include "server/app/log_format.hpp"
 
+#include <spdlog/fmt/chrono.h>
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <chrono>
+#include <ctime>
+#include <iterator>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "core/base/visible_text.hpp"
@@ -29,15 +34,42 @@ class VisibleFormatter final : public spdlog::formatter {
   spdlog::pattern_formatter pattern_;
 };
 
+class JsonFormatter final : public spdlog::formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, spdlog::memory_buf_t& line) override {
+    const auto text = [](spdlog::string_view_t part) {
+      // Bytes that are not UTF-8 become U+FFFD.
+      return nlohmann::json(std::string(part.data(), part.size()))
+          .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    };
+    const auto since = message.time.time_since_epoch();
+    const auto micros = std::chrono::duration_cast<std::chrono::microseconds>(since).count();
+    const std::time_t seconds = static_cast<std::time_t>(micros / 1'000'000);
+    std::tm utc{};
+    ::gmtime_r(&seconds, &utc);
+    fmt::format_to(
+        std::back_inserter(line),
+        R"({{"time":"{:%Y-%m-%dT%H:%M:%S}.{:06}Z","level":"{}","program":{},"text":{}}})", utc,
+        micros % 1'000'000, spdlog::string_view_t(spdlog::level::to_string_view(message.level)),
+        text(message.logger_name), text(message.payload));
+    line.push_back('\n');
+  }
+  std::unique_ptr<spdlog::formatter> clone() const override {
+    return std::make_unique<JsonFormatter>();
+  }
+};
+
 }  // namespace
+
+std::unique_ptr<spdlog::formatter> json_log_format() { return std::make_unique<JsonFormatter>(); }
 
 std::unique_ptr<spdlog::formatter> visible_log_format() {
   return std::make_unique<VisibleFormatter>();
 }
 
-void open_log(const std::string& name, const std::string& level) {
+void open_log(const std::string& name, const std::string& level, const std::string& format) {
   spdlog::set_default_logger(spdlog::stderr_color_mt(name));
-  spdlog::set_formatter(visible_log_format());
+  spdlog::set_formatter(format == "json" ? json_log_format() : visible_log_format());
   spdlog::set_level(spdlog::level::from_str(level));
 }
 

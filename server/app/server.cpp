@@ -140,6 +140,9 @@ struct Server::Parts {
   std::unique_ptr<ControlEndpoint> control;
   std::unique_ptr<web::PageHands> page_hands;  // null: viewers cannot hold a hand
   std::unique_ptr<web::WebServer> web;         // null: there is no live page
+  std::unique_ptr<web::WebServer> metrics;     // null: there is no port for the counters alone
+  const SecurityOptions security_files;
+  std::string certificate;  // in use
   asio::steady_timer look{io};
   bool looking = false;                            // true: the timer `look` runs
   const std::vector<std::filesystem::path> files;  // scene files; empty: the caller passed scenes
@@ -154,6 +157,8 @@ struct Server::Parts {
                                   AdminService::Reloaded done) { reload(host, std::move(done)); },
                  .connections = [this] { return control->counters(); },
                  .write_flight = flight_writer(config)}),
+        security_files(config),
+        certificate(security.identity.certificate),
         files(config.scenes),
         loader(scenes.size(), std::move(load)) {
     check_names(scenes);
@@ -171,12 +176,14 @@ struct Server::Parts {
       hosts.push_back(std::make_unique<SceneHost>(std::move(scenes[i]), options));
       if (recorder != nullptr) recorder->see(i, hosts[i]->recorded_pictures());
     }
+    if (!config.metrics.empty()) open_metrics(config, security);
     if (!config.web.empty()) open_page(config, std::move(security), hands);
     // Start the threads only now, because all ports are bound.
     for (auto& host : hosts) host->start();
     if (recorder != nullptr) recorder->start();
     control->start();
     if (web != nullptr) web->start();
+    if (metrics != nullptr) metrics->start();
     look_after();
     thread = std::thread([this] { run(); });
   }
@@ -204,6 +211,29 @@ struct Server::Parts {
     for (const auto& host : hosts) scenes.push_back(host.get());
     web = std::make_unique<web::WebServer>(page, scenes, std::move(security.tokens),
                                            security.identity);
+  }
+
+  /// Opens the port for the counters alone.
+  void open_metrics(const ServerConfig& config, const Security& security) {
+    web::WebOptions options = page_place(config.metrics, config.web_names);
+    options.counters_only = true;
+    options.metrics = [this](const web::ViewerHubCounters& counters) {
+      return metrics_text(summary(), control_summary(), counters);
+    };
+    metrics = std::make_unique<web::WebServer>(options, web::ViewerHub::Scenes{}, security.tokens,
+                                               security.identity);
+  }
+
+  /// Changes the certificate of new connections.
+  void renew_certificate() {
+    const Identity identity = read_identity_again(security_files);
+    if (std::exchange(certificate, identity.certificate) == identity.certificate) return;
+    const Fingerprint print = feltwire::fingerprint(identity);
+    spdlog::info("the certificate is renewed; its fingerprint is {}", to_string(print));
+    asio::post(io, [this, identity] { control->renew(identity); });
+    if (page_hands != nullptr) page_hands->trust(print);
+    if (web != nullptr) web->renew(identity);
+    if (metrics != nullptr) metrics->renew(identity);
   }
 
   /// Returns the function that writes a flight record. Empty if there is no flight recorder.
@@ -344,7 +374,8 @@ struct Server::Parts {
   }
 
   bool stop() {
-    if (web != nullptr) web->stop();  // first, because the page uses the hosts
+    if (metrics != nullptr) metrics->stop();
+    if (web != nullptr) web->stop();  // before the hosts, because the page uses them
     page_hands.reset();               // ends their sessions
     if (thread.joinable()) {
       asio::post(io, [this] { control->close(); });
@@ -374,6 +405,10 @@ std::string Server::web_url() const {
   return parts_->web != nullptr ? parts_->web->url() : std::string();
 }
 
+std::string Server::metrics_url() const {
+  return parts_->metrics != nullptr ? parts_->metrics->url() + "metrics" : std::string();
+}
+
 const Fingerprint& Server::fingerprint() const { return parts_->fingerprint; }
 
 std::vector<Server::ScenePort> Server::scenes() const {
@@ -387,6 +422,8 @@ void Server::reload(std::function<void(std::vector<std::string>)> done) {
     parts->reload(std::move(done));
   });
 }
+
+void Server::renew_certificate() { parts_->renew_certificate(); }
 
 void Server::write_flight_records() {
   if (parts_->recorder != nullptr) parts_->recorder->ask_for_flight_records();

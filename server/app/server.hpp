@@ -39,7 +39,7 @@ class Server {
   Server& operator=(Server&&) noexcept;
 
   std::uint16_t control_port() const;
-  /// The certificate's fingerprint, which clients pin.
+  /// The fingerprint of the certificate at the start, which clients pin.
   const Fingerprint& fingerprint() const;
 
   struct ScenePort {
@@ -50,12 +50,18 @@ class Server {
 
   /// The live page, "http://127.0.0.1:6760/"; empty if there is none.
   std::string web_url() const;
+  /// The counters for Prometheus, "http://127.0.0.1:6762/metrics"; empty if there is no such port.
+  std::string metrics_url() const;
 
   /// Reads the scenes' files again while the server runs; clients continue in the new scenes.
   /// Returns at once. `done` is called on the control thread when all are read, with the errors,
   /// one line for each file whose scene stays unchanged. It is not called if the server stops
   /// before that.
   void reload(std::function<void(std::vector<std::string> wrong)> done = {});
+
+  /// Reads the certificate and its key again. If they have changed, new connections get them;
+  /// those that exist go on. Throws FileError, and nothing changes.
+  void renew_certificate();
 
   /// Requests a flight record of each scene (the last ten seconds), if there is a folder for them.
   /// Returns at once.

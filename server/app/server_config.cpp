@@ -8,6 +8,7 @@
 #include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "core/base/enum_names.hpp"
 #include "core/base/file_error.hpp"
@@ -28,6 +29,7 @@ constexpr int kLastPort = 65535;
 constexpr int kMostSessions = 4096;
 constexpr int kMostWebHands = 64;  // largest --web-hands; each hand has its own threads
 constexpr double kLeastSampleRate = 1.1, kLargestSampleRate = 1e6;  // ratios to the servo rate
+constexpr std::array<const char*, 2> kLogFormats = {"text", "json"};
 constexpr std::array<const char*, 6> kLogLevels = {"trace",   "debug", "info",
                                                    "warning", "error", "off"};
 
@@ -124,14 +126,17 @@ Complaint complaint(const ServerConfig& c) {
   } catch (const std::invalid_argument& wrong) {
     return complaint_of("--dscp", wrong.what());
   }
-  if (!c.web.empty()) {
+  for (const auto& [option, place] : {std::pair("--web", &c.web), {"--metrics", &c.metrics}}) {
     try {
-      web_place(c.web);
+      if (!place->empty()) web_place(*place);
     } catch (const std::invalid_argument& wrong) {
-      return complaint_of("--web", wrong.what());
+      return complaint_of(option, wrong.what());
     }
   }
   if (auto wrong = recording_complaint(c)) return wrong;
+  if (find_named(kLogFormats, c.log_format) == nullptr)
+    return complaint_of("--log-format",
+                        "'" + c.log_format + "' is none of " + joined_names(kLogFormats, ", "));
   if (find_named(kLogLevels, c.log_level) == nullptr)
     return complaint_of("--log-level",
                         "'" + c.log_level + "' is none of " + joined_names(kLogLevels, ", "));

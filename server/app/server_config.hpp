@@ -33,6 +33,7 @@ struct ServerConfig : SecurityOptions {
   bool real_time = false;    // scenes' threads have priority over all others
   std::string dscp = "cs0";  // of replies: a name or a number, see protocol/net/udp_socket.hpp
   std::string web;           // of the live page: "PORT" or "ADDRESS:PORT"; empty: there is none
+  std::string metrics;       // the same for a port with the counters alone; empty: there is none
   std::vector<std::string> web_names;     // host names that browsers may use for the page
   std::filesystem::path record;           // FILE.mcap for the inputs of a scene; empty: none
   double record_max_mib = HUGE_VAL;       // of one file of several
@@ -40,6 +41,7 @@ struct ServerConfig : SecurityOptions {
   std::filesystem::path flight_recorder;  // folder of flight records; empty: none
   int web_hands = 4;  // sessions of role pointer: hands that viewers of the page hold, at once
   std::string log_level = "info";
+  std::string log_format = "text";  // or json
 };
 
 /// Reads a configuration file, whose members are the options of add_config_options(). Missing

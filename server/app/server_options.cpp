@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "core/base/file_error.hpp"
 #include "core/base/json_document.hpp"
@@ -82,11 +84,16 @@ ServerTask server_task(int argc, char** argv) {
   app.add_flag("--health", asked.health,
                "Check the server that runs with these options on this machine, and exit. Exit "
                "status 0: the server answers");
-  read_environment(app, argc, argv, {.program = "server", .ending = {"explain", "health"}});
+  app.add_flag("--check-config", asked.check,
+               "Check the options and the files that they name, and exit. Exit status 0: a server "
+               "would start with them, if its ports are free");
+  const std::vector<std::string> ending = {"explain", "health", "check-config"};
+  read_environment(app, argc, argv, {.program = "server", .ending = ending});
   ConfigFile config;
   if (const auto named = given_value(app, argc, argv, "config", true))
-    config = read_config(app, read_text(*named), *named, {"config", "summary", "explain", "health"},
-                         server_file_value);
+    config =
+        read_config(app, read_text(*named), *named,
+                    {"config", "summary", "explain", "health", "check-config"}, server_file_value);
   try {
     parse_words(app, words_with_config(app, argc, argv, config, {}, true));
   } catch (const CLI::ParseError& error) {

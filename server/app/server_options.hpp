@@ -13,6 +13,7 @@ struct ServerTask {
   std::string summary;  // file for the counters; empty: none
   std::string explain;  // scene file whose costs are listed; then the program ends; empty: none
   bool health = false;  // only check the running server
+  bool check = false;   // only check the configuration and the files that it names
 };
 
 /// The command line wins over the environment, and both win over the file. Ends the

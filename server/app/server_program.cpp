@@ -96,7 +96,24 @@ void print_ready(const ServerConfig& config, const Server& server) {
     if (const std::string admin = admin_token_for_page(config); !admin.empty())
       std::printf("as an admin: %s%s\n", page.c_str(), admin.c_str());
   }
+  if (const std::string counters = server.metrics_url(); !counters.empty())
+    std::printf("metrics: %s\n", counters.c_str());
   std::fflush(stdout);
+}
+
+/// Reads the files of the configuration, and opens nothing. Throws FileError with the first that is
+/// wrong.
+int check_config(const ServerConfig& config) {
+  for (const auto& file : config.scenes) {
+    const Scene scene = load_scene(file);
+    for (const std::string& warning : scene.warnings())
+      std::fprintf(stderr, "%s\n", visible(file.string() + ": warning: " + warning).c_str());
+  }
+  if (!config.certificate.empty()) load_identity(config.certificate, config.key);
+  if (!config.tokens.empty()) const TokenFile tokens(config.tokens);
+  if (!config.client_ca.empty()) read_text(config.client_ca);
+  std::printf("the configuration is right, %zu scene(s)\n", config.scenes.size());
+  return 0;
 }
 
 /// Serves until SIGINT or SIGTERM. Precondition: every thread blocks these signals, SIGUSR1 and
@@ -110,10 +127,15 @@ bool serve(Server& server, const sigset_t& signals, const std::string& summary) 
     count();
   };
   const auto reload = [&] {
-    spdlog::info("SIGHUP: all scenes are reloaded");
+    spdlog::info("SIGHUP: all scenes and the certificate are read again");
     server.reload([](const std::vector<std::string>& all) {
       for (const std::string& wrong : all) spdlog::error("{}; the scene stays as it was", wrong);
     });
+    try {
+      server.renew_certificate();
+    } catch (const std::exception& error) {
+      spdlog::error("{}; the certificate stays as it was", error.what());
+    }
   };
   const int signal = wait_for_end(signals, {write_all, reload});
   spdlog::info("{}: saying goodbye", signal == SIGINT ? "interrupted" : "terminated");
@@ -158,7 +180,8 @@ int server_program(int argc, char** argv, const web::MakePageHands& make_page_ha
       return 0;
     }
     validate(config);
-    open_log("feltwire-server", config.log_level);
+    if (asked.check) return check_config(config);
+    open_log("feltwire-server", config.log_level, config.log_format);
     // Block signals before any thread starts, so that only this thread receives them.
     const sigset_t signals = block_signals();
 

@@ -252,6 +252,7 @@ ControlEndpoint::ControlEndpoint(asio::io_context& io, const ControlOptions& opt
                                  ControlHandler handler)
     : io_(io),
       options_(options),
+      client_authorities_(client_authorities),
       tls_(server_context(identity, client_authorities)),
       handler_(std::move(handler)),
       acceptor_(io),
@@ -271,6 +272,10 @@ ControlEndpoint::ControlEndpoint(asio::io_context& io, const ControlOptions& opt
 ControlEndpoint::~ControlEndpoint() = default;
 
 void ControlEndpoint::start() { accept(); }
+
+void ControlEndpoint::renew(const Identity& identity) {
+  tls_ = server_context(identity, client_authorities_);
+}
 
 /// Waits until a connection arrives, and accepts it with take(). Asio's async_accept() would call
 /// no handler if there is no memory for the new connection. No further connection would be

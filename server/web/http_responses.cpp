@@ -246,6 +246,9 @@ HttpResponse http_response(const HttpRequest* request, const Site& site) {
     return plain(kForbidden, "this server is not known by that name; use its IP address\n");
   if (request->method != "GET" && request->method != "HEAD")
     return plain(kNotAllowed, "only GET and HEAD are answered\n", "Allow: GET, HEAD\r\n");
+  if (site.counters_only && request->path != "/metrics" && request->path != "/health" &&
+      request->path != "/ready")
+    return plain(kNotFound, "this port has /metrics, /health and /ready alone\n");
   if (request->path == kLivePath) return live(*request, *authority, site);
   if (request->path == kFoxglovePath) return foxglove(*request, site);
   if (request->path == kTicketPath) return ticket(*request, *authority, site);

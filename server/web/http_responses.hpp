@@ -27,7 +27,8 @@ inline constexpr std::string_view kFoxglovePath = "/foxglove", kTicketPath = "/t
 struct Site {
   std::span<const PageAsset> page;
   std::span<const std::string> names;  // host names that requests may use, besides IP addresses
-  bool secure = false;  // by TLS; otherwise only requests from this machine are allowed
+  bool secure = false;         // by TLS; otherwise only requests from this machine are allowed
+  bool counters_only = false;  // only `/metrics`, `/health` and `/ready` are answered
   /// Makes the answer to `/metrics`; empty: there is no such page.
   std::function<std::string()> metrics = {};
   /// The name of a scene that cannot be seen now, which makes `/ready` fail; nothing: all are seen.

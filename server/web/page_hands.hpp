@@ -50,6 +50,8 @@ class PageHands {
   /// A hand that joins the scene as pointer, in threads of its own. Returns at once; null if all
   /// hands are held.
   virtual std::shared_ptr<PageHand> take(const PageHandRequest& request) = 0;
+  /// New hands trust the server with this certificate. From any thread.
+  virtual void trust(const Fingerprint& fingerprint) = 0;
 };
 
 /// The settings of all page hands.

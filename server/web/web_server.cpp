@@ -36,7 +36,8 @@ WebServer::WebServer(const WebOptions& options, const ViewerHub::Scenes& scenes,
                  options.max_connections_per_network),
       known_(std::max<std::size_t>(1, options.max_connections - options.max_connections / 2),
              options.max_connections_per_network) {
-  port_ = listen_on(acceptor_, {options.address, options.port}, "--web");
+  port_ = listen_on(acceptor_, {options.address, options.port},
+                    options.counters_only ? "--metrics" : "--web");
 }
 
 WebServer::~WebServer() { stop(); }
@@ -59,6 +60,12 @@ void WebServer::stop() {
     leave_if_empty();
   });
   thread_.join();
+}
+
+void WebServer::renew(const Identity& identity) {
+  asio::post(io_, [this, identity] {
+    if (tls_) tls_ = server_tls(identity);
+  });
 }
 
 void WebServer::tell(std::size_t scene, std::optional<std::string> wrong) {
@@ -182,6 +189,7 @@ void WebServer::ended(ConnectionSlots::Id id) noexcept {
 
 Site WebServer::site(const asio::ip::address& asked_from) {
   Site site{page_assets(), options_.names, secure()};
+  site.counters_only = options_.counters_only;
   if (options_.metrics) site.metrics = [this] { return options_.metrics(hub_.counters()); };
   site.hidden_scene = [this](std::string_view token) { return hub_.hidden_scene(token); };
   site.opens = [this](std::string_view token) {

@@ -32,6 +32,7 @@ struct WebOptions {
   std::size_t max_connections = 128;
   std::size_t max_connections_per_network = 64;  // of either half
   std::vector<std::string> names = {};  // host names that browsers may use, besides IP addresses
+  bool counters_only = false;           // no page: only `/metrics`, `/health` and `/ready`
   PageHands* hands = nullptr;           // for viewers; outlives the server; null: none
   /// Makes the answer to `/metrics` (docs/live_page.md), on the page's thread; empty: there is no
   /// such page.
@@ -57,6 +58,9 @@ class WebServer final : private ConnectionHost {
   void start();
   /// Ends all connections and joins the thread. May be called again.
   void stop();
+
+  /// New connections get this certificate. From any thread.
+  void renew(const Identity& identity);
 
   /// A load of a scene has ended (ViewerHub::tell). From any thread.
   void tell(std::size_t scene, std::optional<std::string> wrong);

@@ -91,6 +91,41 @@ TEST(MutualTls, AClientNeedsACertificateOfTheAuthority) {
   EXPECT_NO_THROW(join(access, request(), kPatience));
 }
 
+/// A renewed certificate must not end sessions. Only new connections get it.
+TEST(RenewedCertificate, IsForNewConnectionsAndSessionsGoOn) {
+  const TemporaryFolder folder;
+  const Identity renewed = make_identity({"localhost"});
+  ServerConfig config = testing::any_ports();
+  config.certificate = folder / "certificate.pem";
+  config.key = folder / "key.pem";
+  config.tokens = folder / "tokens.json";
+  Server server(config, floor(),
+                {test::identity(), {}, TokenFile(Tokens{test::admin_token().token})});
+  const std::uint16_t port = server.control_port();
+  const ServerAccess old_pin = pinning(port, test::identity()), new_pin = pinning(port, renewed);
+  EXPECT_NO_THROW(join(old_pin, request(), kPatience));
+
+  EXPECT_THROW(server.renew_certificate(), FileError);
+  replace_file(config.key, make_identity({"localhost"}).key.text(), kPrivate);
+  replace_file(config.certificate, renewed.certificate, kPublic);
+  EXPECT_THROW(server.renew_certificate(), FileError);  // The key is of another certificate.
+  EXPECT_NO_THROW(list_scenes(old_pin, kPatience));
+
+  replace_file(config.key, renewed.key.text(), kPrivate);
+  server.renew_certificate();
+  EXPECT_TRUE(test::becomes([&] {
+    try {
+      return list_scenes(new_pin, kPatience).size() == 1;
+    } catch (const SessionError&) {
+      return false;
+    }
+  }));
+  EXPECT_THAT(refusal(old_pin), HasSubstr("is not the server whose fingerprint was given"));
+  EXPECT_EQ(server.summary().front().sessions, 1U);
+  server.renew_certificate();  // The files are the same.
+  EXPECT_NO_THROW(join(new_pin, request(), kPatience));
+}
+
 /// The client must refuse a server with an older TLS version.
 TEST(Tls, NothingOlderIsSpoken) {
   testing::LocalSocket socket(SOCK_STREAM);

@@ -2,9 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <spdlog/details/log_msg.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -13,6 +15,7 @@
 #include <thread>
 
 #include "server/app/health.hpp"
+#include "server/app/log_format.hpp"
 #include "server/app/server.hpp"
 #include "server/app/summary.hpp"
 #include "tests/server/make.hpp"
@@ -127,6 +130,49 @@ TEST(Operation, WhoListensAndSaysNothingIsNotWell) {
   ::close(silent);
 }
 
+TEST(Operation, CountersHaveAPortWithoutThePage) {
+  ServerConfig config;
+  config.port = 0;
+  config.metrics = "0";
+  std::vector<Scene> scenes;
+  scenes.push_back(test::room());
+  Server server(config, std::move(scenes), test::security());
+  EXPECT_EQ(server.web_url(), "");
+  const std::string url = server.metrics_url();
+  ASSERT_THAT(url, StartsWith("http://127.0.0.1:"));
+  test::RawSocket scraper(SOCK_STREAM,
+                          static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1))));
+  const std::string question = "GET /metrics HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
+  scraper.send({reinterpret_cast<const std::uint8_t*>(question.data()), question.size()});
+  std::string answer;
+  for (auto part = scraper.receive(); !part.empty(); part = scraper.receive())
+    answer.append(part.begin(), part.end());
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 200 "));
+  EXPECT_THAT(answer, HasSubstr("feltwire_sessions{scene=\"room\"} 0\n"));
+}
+
+/// A configuration is checked with the files that it names, and without opening a port.
+TEST(Operation, TheProgramChecksItsConfiguration) {
+  const std::string file = path("checked.json");
+  const auto check = [&](const std::string& json) {
+    std::ofstream(file) << json;
+    return test::Program(FELTWIRE_SERVER_PROGRAM, {"--config", file, "--check-config"}).finish();
+  };
+  const std::string scene = path("checked_scene.json");
+  std::ofstream(scene) << R"({"name": "wall", "materials": [{"name": "wood", "stiffness": 1000}],
+    "objects": [{"name": "floor", "plane": {}, "material": "wood"}]})";
+  const std::string begin = "{\"scenes\": [\"" + scene + "\"]";
+  const test::Outcome good = check(begin + ", \"port\": 0}");
+  EXPECT_EQ(good.out, "the configuration is right, 1 scene(s)\n");
+  EXPECT_EQ(good.status, 0) << good.error;
+  EXPECT_THAT(check("{\"scenes\": [\"none.json\"]}").error, HasSubstr("none.json"));
+  EXPECT_THAT(check(begin + ", \"tokens\": \"no_tokens.json\"}").error,
+              HasSubstr("no_tokens.json"));
+  EXPECT_THAT(check(begin + ", \"client_ca\": \"no_ca.pem\"}").error, HasSubstr("no_ca.pem"));
+  EXPECT_THAT(check(begin + ",\n\"prot\": 0}").error, HasSubstr("checked.json:2: prot"));
+  EXPECT_EQ(check(begin + ", \"join_rate\": 0}").status, 1);
+}
+
 TEST(Operation, TheProgramTakesItsOptionsFromTheEnvironmentAndCountsOnASignal) {
   const std::string scene = path("scene.json"), summary = path("counters.json");
   std::ofstream(scene) << R"({"name": "wall", "materials": [{"name": "wood", "stiffness": 1000}],
@@ -158,6 +204,20 @@ TEST(Operation, TheProgramSaysWhetherItIsWell) {
       test::Program(FELTWIRE_SERVER_PROGRAM, {"--health", "--port", port}).finish();
   EXPECT_EQ(ill.status, 1);
   EXPECT_THAT(ill.error, HasSubstr("no feltwire server answers"));
+}
+
+/// Each line of a log in JSON must be one object with the text of the client as it is.
+TEST(Operation, TheLogCanBeJson) {
+  spdlog::memory_buf_t line;
+  const std::string text = "hand \"a\"\n\x1b[31m \xff";
+  json_log_format()->format({"program", spdlog::level::warn, text}, line);
+  ASSERT_EQ(std::count(line.begin(), line.end(), '\n'), 1);
+  const Json read = Json::parse(line.begin(), line.end());
+  EXPECT_EQ(read.at("text"), "hand \"a\"\n\x1b[31m \xef\xbf\xbd");
+  EXPECT_EQ(read.at("level"), "warning");
+  EXPECT_EQ(read.at("program"), "program");
+  EXPECT_THAT(read.at("time").get<std::string>(),
+              ::testing::MatchesRegex("[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9:]{8}[.][0-9]{6}Z"));
 }
 
 TEST(Operation, ACounterFileThatCannotBeIsSaidAtOnce) {

@@ -263,6 +263,23 @@ TEST(Answers, NoHalfAWebSocket) {
   EXPECT_THAT(without("Sec-WebSocket-Protocol"), StartsWith("HTTP/1.1 400 "));
 }
 
+TEST(Answers, APortForCountersHasNothingElse) {
+  Site site{kPage, {}, false};
+  site.counters_only = true;
+  site.metrics = [] { return std::string("feltwire_sessions 1\n"); };
+  const auto ask = [&](const std::string& path, const std::string& headers) {
+    const auto request = parse_http_head(get(path, headers) + "\r\n");
+    return text(http_response(&*request, site));
+  };
+  EXPECT_THAT(ask("/metrics", ""), EndsWith("feltwire_sessions 1\n"));
+  EXPECT_THAT(ask("/health", ""), StartsWith("HTTP/1.1 200 "));
+  EXPECT_THAT(ask("/ready", ""), StartsWith("HTTP/1.1 200 "));
+  EXPECT_THAT(ask("/", ""), StartsWith("HTTP/1.1 404 "));
+  EXPECT_THAT(ask("/ticket", ""), StartsWith("HTTP/1.1 404 "));
+  EXPECT_THAT(ask("/live", kUpgrade), StartsWith("HTTP/1.1 404 "));
+  EXPECT_THAT(ask("/foxglove", kUpgrade), StartsWith("HTTP/1.1 404 "));
+}
+
 /// A valid token or ticket must get an answer after any number of wrong tokens.
 TEST(Answers, WrongTokensAndTicketsAreLimited) {
   Site site{kPage, {}, true};
