@@ -231,7 +231,7 @@ def check_index(source):
 def check_metrics(source):
     """Metrics that documents name and the server does not have."""
     ours = set(re.findall(r'"(feltwire_[a-z_]+)"', (source / "server/app/prometheus_metrics.cpp").read_text()))
-    for path in (source / "docs/grafana.json", source / "docs/live_page.md"):
+    for path in (source / "docs/grafana.json", source / "docs/live_page.md", source / "docs/alerts.yml"):
         named = set(re.findall(r"\bfeltwire_[a-z_]+\b", path.read_text()))
         # The series of a histogram.
         named = {re.sub(r"(?<=_seconds)_(bucket|sum|count)$", "", metric) for metric in named}

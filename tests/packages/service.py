@@ -1,4 +1,4 @@
-"""Tries the service feltwire-server in a system that systemd has started: service.py
+"""Tries the service feltwire-server in a system that systemd has started, and the commands of docs/operations.md: service.py
 
 As root. A hand presses while the service reads its scenes again, is killed, and stops; systemd sees to it and keeps its sandbox.
 """
@@ -68,6 +68,16 @@ class Hand:
         self.wait_for("force", lambda text, force: force > FELT)
 
 
+def paste(page):
+    """Types the commands of a page, one after the other, as root does."""
+    commands = [line[4:] for line in page.read_text(encoding="utf-8").splitlines() if line.startswith("    ")]
+    for command in commands:
+        done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=LONGEST, check=False)
+        if done.returncode != 0:
+            failed(f"{page}: {command}\n{done.stdout}{done.stderr}")
+    return len(commands)
+
+
 def main():
     until("the service is active", lambda: value("ActiveState") == "active")
     until("a fingerprint", (STATE / "fingerprint").exists)
@@ -110,6 +120,11 @@ def main():
     real_time = lambda: any(os.sched_getscheduler(int(thread)) == os.SCHED_FIFO for thread in os.listdir(f"/proc/{process}/task"))
     until("a thread with real-time priority", real_time)
     systemctl("stop", UNIT)
+    systemctl("start", UNIT)
+    page = pathlib.Path("/usr/share/doc/feltwire-doc/docs/operations.md")
+    print(f"{paste(page)} commands of {page} typed")
+    if value("ActiveState") != "active":
+        failed("after the commands of the page the service is not active")
     exposure = subprocess.run(["systemd-analyze", "security", "--no-pager", UNIT], capture_output=True, text=True, check=True).stdout
     print(f"stopped, and started with real-time priority. {exposure.splitlines()[-1].lstrip('→ ')}")
 
