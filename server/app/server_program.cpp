@@ -25,6 +25,7 @@
 #include "server/app/page_address.hpp"
 #include "server/app/server.hpp"
 #include "server/app/server_options.hpp"
+#include "server/app/service_manager.hpp"
 #include "server/app/signals.hpp"
 #include "server/app/startup.hpp"
 #include "server/app/summary.hpp"
@@ -139,6 +140,7 @@ bool serve(Server& server, const sigset_t& signals, const std::string& summary) 
   };
   const int signal = wait_for_end(signals, {write_all, reload});
   spdlog::info("{}: saying goodbye", signal == SIGINT ? "interrupted" : "terminated");
+  tell_service_manager("STOPPING=1");
   const bool ended = server.stop();
   try {
     count();
@@ -202,6 +204,7 @@ int server_program(int argc, char** argv, const web::MakePageHands& make_page_ha
     for (const auto& scene : server->scenes()) names.push_back(scene.scene);
     note_scenes(config, names);
     print_ready(config, *server);
+    tell_service_manager("READY=1");
     if (!serve(*server, signals, asked.summary)) leave_now();
     return 0;
   } catch (const std::invalid_argument& error) {

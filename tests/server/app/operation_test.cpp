@@ -2,11 +2,15 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <spdlog/details/log_msg.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -218,6 +222,35 @@ TEST(Operation, TheLogCanBeJson) {
   EXPECT_EQ(read.at("program"), "program");
   EXPECT_THAT(read.at("time").get<std::string>(),
               ::testing::MatchesRegex("[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9:]{8}[.][0-9]{6}Z"));
+}
+
+/// The program tells systemd when its ports are open.
+TEST(Operation, TheServiceManagerLearnsOfTheStart) {
+  const std::string place = path("notify");
+  const int manager = ::socket(AF_UNIX, SOCK_DGRAM, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  ASSERT_LT(place.size(), sizeof address.sun_path);
+  std::copy(place.begin(), place.end(), address.sun_path);
+  ::unlink(place.c_str());
+  ASSERT_EQ(::bind(manager, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  const auto told = [&] {
+    pollfd waiting{manager, POLLIN, 0};
+    std::array<char, 64> text{};
+    if (::poll(&waiting, 1, test::kPatience) != 1) return std::string();
+    const auto size = ::recv(manager, text.data(), text.size(), 0);
+    return std::string(text.data(), static_cast<std::size_t>(size));
+  };
+  const std::string scene = path("notified.json");
+  std::ofstream(scene) << R"({"name": "wall", "materials": [{"name": "wood", "stiffness": 1000}],
+    "objects": [{"name": "floor", "plane": {}, "material": "wood"}]})";
+  const Variable socket("NOTIFY_SOCKET", place);
+  test::Program program(FELTWIRE_SERVER_PROGRAM, {"--scene", scene, "--port", "0"});
+  EXPECT_EQ(told(), "READY=1");
+  program.signal(SIGTERM);
+  EXPECT_EQ(told(), "STOPPING=1");
+  EXPECT_EQ(program.finish().status, 0);
+  ::close(manager);
 }
 
 TEST(Operation, ACounterFileThatCannotBeIsSaidAtOnce) {
