@@ -128,6 +128,18 @@ Rivals of_roles() {
   return rivals;
 }
 
+/// Returns the option conflicts of an admin's changes: which of them are possible depends on
+/// whether a person may hold the device.
+Rivals of_changes() {
+  const auto held = [](Value device) {
+    return driver_of(device) && driver_of(device)->held_by_person;
+  };
+  Rivals rivals = {{"fixed", "changes", {}, is("none")},
+                   {"changes", "fixed", is_not("none"), says_no},
+                   {"device", "changes", held, is_not("any")}};
+  return rivals;
+}
+
 /// Returns the option conflicts of recordings: only MCAP recordings support file limits.
 Rivals of_recordings() {
   const auto one_file = [](Value file) { return !is_mcap(std::string(file)); };
@@ -140,7 +152,7 @@ Rivals of_recordings() {
 
 Rivals client_rivals() {
   Rivals all = credential_rivals();
-  for (const Rivals& some : {of_devices(), of_bounds(), of_roles(), of_recordings()})
+  for (const Rivals& some : {of_devices(), of_bounds(), of_roles(), of_changes(), of_recordings()})
     all.insert(all.end(), some.begin(), some.end());
   return all;
 }

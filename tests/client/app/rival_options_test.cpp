@@ -110,6 +110,9 @@ std::vector<OptionList> everything() {
                                  {{"damping", "0.2"}},
                                  {{"link", "wifi"}},
                                  {{"fixed", "true"}},
+                                 {{"changes", "none"}},
+                                 {{"changes", "safe"}},
+                                 {{"changes", "any"}},
                                  {{"map-scale", "2"}}};
   for (const BoundingMethod* method : bounding_methods())
     all.push_back({{"mode", std::string(method->name)}});
