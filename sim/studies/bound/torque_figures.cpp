@@ -41,7 +41,8 @@ std::string cone_panel(std::string_view mode, const std::string& title) {
          "set object 1 circle at 0,0 size 0.2 fc rgb '#eef3f8' fs solid border lc rgb '#1f4e79' "
          "behind\nplot " +
          from +
-         "($2):($3):(-$2*0.7):(-$3*0.7) with vectors nohead dt 3 lc rgb '#b0b0b0' notitle, " +
+         "($2):($3):(-$2*0.7):(-$3*0.7) with vectors nohead dt 3 lc rgb '#808080' "
+         "title 'correct direction', " +
          from +
          "($2):($3):($8*1.2):($9*1.2) with vectors head filled size 0.01,18 lc rgb '#c0392b' lw "
          "1.2 title 'rendered torque, 1.2 rad per N m'\n";
