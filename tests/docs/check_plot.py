@@ -47,8 +47,10 @@ def figures(lab):
     for name in ("figure2", "figure3"):
         if scripts[name].count("F(n-1) dx(n): the port, and the paper") != 2:
             yield f"{name}: does not say which energy the paper means"
-    for name in ("figure5", "figure6", "sphere_modes"):
-        if "notitle" in scripts[name] or scripts[name].count("dt 3") != scripts[name].count("title 'normal of the sphere'"):
+    dotted = {name: "normal of the sphere" for name in ("figure5", "figure6", "sphere_modes")}
+    dotted |= {name: "correct direction" for name in ("torque_figure5", "torque_figure6", "torque_modes")}
+    for name, title in dotted.items():
+        if "notitle" in scripts[name] or scripts[name].count("dt 3") != scripts[name].count(f"title '{title}'"):
             yield f"{name}: a curve is not in the legend"
 
 
@@ -80,6 +82,11 @@ def main():
         status, said = drawn(recording)
         if status != 1 or "there is no column ez" not in said:
             wrong.append(f"a file without forces: {status} {said}")
+        recording = folder / "hand.mcap"
+        recording.write_bytes(b"\x89MCAP0\r\n" + bytes(40))
+        status, said = drawn(recording)
+        if status != 1 or f"feltwire-lab export {recording} --csv" not in said:
+            wrong.append(f"an MCAP file: {status} {said}")
         if drawn(recording, "w")[0] != 2:
             wrong.append("the axis w is taken")
     print("\n".join(wrong + [f"{2 * len(CASES)} recordings, {len(wrong)} wrong"]))
