@@ -82,10 +82,12 @@ void apply(TwoWayLinkOptions& link, Directions directions, Change change) {
 void set_number(TwoWayLinkOptions& link, Directions directions, const Number& key,
                 std::string_view text) {
   const std::optional<double> value = number<double>(text);
-  if (const std::size_t end = length_of_number(text); !value && end > 0)
+  if (!value && length_of_number(text) > 0) {
+    const std::string meant = number_in_unit(text, key.unit);
+    const std::string example = meant.empty() ? "" : ": " + std::string(key.key) + "=" + meant;
     fail(std::string(key.key) + "=" + std::string(text) +
-         ": write the number without unit; it is in " + std::string(key.unit) + ": " +
-         std::string(key.key) + "=" + std::string(text.substr(0, end)));
+         ": write the number without unit; it is in " + std::string(key.unit) + example);
+  }
   if (!value || !(*value >= key.least && *value <= key.most))
     fail(std::string(key.key) + "=" + std::string(text) + " must be a number from " +
          plain(key.least) + " to " + plain(key.most) + " " + std::string(key.unit));

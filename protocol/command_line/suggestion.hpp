@@ -61,9 +61,19 @@ inline std::string suggestion(const CLI::App& app) {
   return {};
 }
 
-/// "; write the number without its unit: 15" if a message is about a number with a unit behind it,
-/// as in "Could not convert: --duration = 15ms"; else empty.
-inline std::string unit_advice(std::string_view message) {
+/// The unit of an option, as its description begins: "[m] Intended depth", "X,Y,Z [m] Centre".
+/// Empty: it names none.
+inline std::string unit_of(const CLI::Option& option) {
+  const std::string description = option.get_description();
+  const auto begin = description.find('['), end = description.find(']', begin);
+  const bool early = begin == 0 || begin == std::string_view("X,Y,Z ").size();
+  return early && end != std::string::npos ? description.substr(begin + 1, end - begin - 1) : "";
+}
+
+/// "; write the number without unit: 15" if a message is about a number with a unit behind it, as
+/// in "Could not convert: --duration = 15s"; else empty. `unit`: of the option. If the number has
+/// another unit, then "; write the number without unit, in s: 0.015" for 15ms.
+inline std::string unit_advice(std::string_view message, std::string_view unit = {}) {
   const std::size_t begin = message.find_last_of("= [,") + 1;
   std::string_view word = message.substr(begin);
   while (!word.empty() && (word.back() == ']' || word.back() == '\'' || word.back() == '"'))
@@ -74,12 +84,27 @@ inline std::string unit_advice(std::string_view message) {
     if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '%' || c == '/' || c == '^' ||
           c == ' ' || static_cast<unsigned char>(c) >= 0x80))
       return {};
-  return "; write the number without unit: " + std::string(word.substr(0, number));
+  const std::string written(word.substr(0, number));
+  const std::string meant = unit.empty() ? written : number_in_unit(word, unit);
+  std::string advice = "; write the number without unit";
+  if (meant != written) advice += ", in " + std::string(unit);
+  return meant.empty() ? advice : advice + ": " + meant;
+}
+
+/// The same for an error of a command line: it knows the option that the message names.
+inline std::string unit_advice(const CLI::Error& error, const CLI::App& app) {
+  const std::string message = error.what();
+  const CLI::App* asked = &app;
+  while (!asked->get_subcommands().empty()) asked = asked->get_subcommands().front();
+  for (const CLI::Option* option : asked->get_options())
+    if (message.find(option->get_name() + " = ") != std::string::npos)
+      return unit_advice(message, unit_of(*option));
+  return unit_advice(message);
 }
 
 /// All that helps after an error of the command line.
 inline std::string advice(const CLI::Error& error, const CLI::App& app) {
-  return unit_advice(error.what()) + suggestion(app);
+  return unit_advice(error, app) + suggestion(app);
 }
 
 }  // namespace feltwire

@@ -78,6 +78,9 @@ TEST(LinkOptions, ErrorsNameTheItemAndTheRemedy) {
               HasSubstr("delay=5ms: write the number without unit; it is in ms: delay=5"));
   EXPECT_THAT(complaint("loss=2.5%"), HasSubstr("without unit; it is in %: loss=2.5"));
   EXPECT_THAT(complaint("up.rate=1e1Mbit/s"), HasSubstr("without unit; it is in Mbit/s: rate=1e1"));
+  EXPECT_THAT(complaint("delay=0.015s"), HasSubstr("without unit; it is in ms: delay=15"));
+  EXPECT_THAT(complaint("rate=500kbit/s"), HasSubstr("it is in Mbit/s: rate=0.5"));
+  EXPECT_THAT(complaint("delay=1min"), ::testing::EndsWith("without unit; it is in ms"));
   EXPECT_THAT(complaint("delay=fast"), HasSubstr("delay=fast must be a number"));
   EXPECT_THAT(complaint("jitter="), HasSubstr("jitter= must be a number"));
   EXPECT_THAT(complaint("loss=nan"), HasSubstr("loss=nan"));

@@ -302,6 +302,14 @@ TEST(Suggestion, AUnitBehindANumberIsNamed) {
             "; write the number without unit: 0.5");
   EXPECT_EQ(unit_advice("Could not convert: --rate = 1e3Hz"),
             "; write the number without unit: 1e3");
+  EXPECT_EQ(unit_advice("Could not convert: --rate = 1kHz", "Hz"),
+            "; write the number without unit, in Hz: 1000");
+  EXPECT_EQ(unit_advice("Could not convert: --center = [0,0,5mm]", "m"),
+            "; write the number without unit, in m: 0.005");
+  EXPECT_EQ(unit_advice("Could not convert: --damping = 0.5Ns/m", "N s/m"),
+            "; write the number without unit: 0.5");
+  EXPECT_EQ(unit_advice("Could not convert: --duration = 2min", "s"),
+            "; write the number without unit, in s");
   for (const char* other : {"Could not convert: --rate = fast", "Could not convert: --rate = 1x2",
                             "--rate: Missing", "Could not convert: --rate = 12", ""})
     EXPECT_EQ(unit_advice(other), "") << other;
@@ -309,6 +317,7 @@ TEST(Suggestion, AUnitBehindANumberIsNamed) {
     return test::Program(FELTWIRE_SERVER_PROGRAM, std::move(words)).finish().error;
   };
   EXPECT_THAT(said({"--silence-timeout", "5s"}), HasSubstr("write the number without unit: 5"));
+  EXPECT_THAT(said({"--silence-timeout", "500ms"}), HasSubstr("without unit, in s: 0.5"));
 }
 
 TEST(Suggestion, IsMadeByTheServer) {

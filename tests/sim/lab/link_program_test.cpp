@@ -110,7 +110,7 @@ TEST(LabProgram, WordsOfTheCommandLineReachNoTerminalUnescaped) {
 TEST(LabProgram, ANumberWithItsUnitIsNamed) {
   const auto error =
       Program(FELTWIRE_LAB_PROGRAM, {"bound", "--period", "1ms", "--damping", "1"}).finish().error;
-  EXPECT_THAT(error, HasSubstr("write the number without unit: 1"));
+  EXPECT_THAT(error, HasSubstr("write the number without unit, in s: 0.001"));
 }
 
 TEST(LabProgram, ExamplesNameFilesThatExist) {
