@@ -234,7 +234,7 @@ std::string meant_spec(std::string_view words) {
   return {};
 }
 
-/// The driver of all devices whose specification name begins with `device`.
+/// The driver of all devices whose name begins with `device`.
 struct Family {
   std::string_view device, kind;
 };
@@ -245,8 +245,10 @@ constexpr std::array kFamilies = {
     Family{"lambda", "forcedimension"},
     Family{"touch", "openhaptics"},
     Family{"phantom", "openhaptics"},
+    Family{"geomagic", "openhaptics"},
     Family{"inverse", "haply"},
     Family{"falcon", "falcon"},
+    Family{"novint", "falcon"},
     Family{"hapi", "hapi"},
 };
 
@@ -258,15 +260,15 @@ std::string remedy_without(std::string_view kind) {
          std::string(build->option) + "=ON";
 }
 
-/// Returns the option that selects the device of this specification.
-std::string option_for(std::string_view spec) {
+/// Returns the option that selects the device of this name. Empty: it is of no known family.
+std::string option_for(std::string_view name) {
   for (const Family& family : kFamilies) {
-    if (!spec.starts_with(family.device)) continue;
+    if (!name.starts_with(family.device)) continue;
     if (const Driver* driver = find_named(kDrivers, family.kind, &Driver::kind))
       return "--device " + spelling(*driver);
     return "--device " + std::string(family.kind) + " (" + remedy_without(family.kind) + ")";
   }
-  return "--device plugin:FILE.so (docs/devices.md)";
+  return {};
 }
 
 [[noreturn]] void refuse_device(std::string_view words) {
@@ -274,11 +276,16 @@ std::string option_for(std::string_view spec) {
     throw std::invalid_argument("--device " + std::string(words) + ": " + remedy);
   const std::string unknown = "unknown device '" + std::string(words) + "'";
   const std::string spec = meant_spec(words);
+  const std::string option = option_for(spec.empty() ? bare(words) : spec);
   if (spec.empty())
-    throw std::invalid_argument(unknown + "; use one of: " + joined_names(kDrivers, " ", spelling));
+    throw std::invalid_argument(unknown + "; " +
+                                (option.empty()
+                                     ? "use one of: " + joined_names(kDrivers, " ", spelling)
+                                     : "for a device of this family or maker give " + option));
   throw std::invalid_argument(
       unknown + ": " + spec + " is a specification; for the device itself give " +
-      option_for(spec) + ", for a simulated one --device simulated --spec " + spec);
+      (option.empty() ? "--device plugin:FILE.so (docs/devices.md)" : option) +
+      ", for a simulated one --device simulated --spec " + spec);
 }
 
 }  // namespace

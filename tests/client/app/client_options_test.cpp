@@ -404,6 +404,14 @@ TEST(Options, ADriverIsChosenByItsKind) {
     EXPECT_THAT(refusal({"--device", word}),
                 AllOf(HasSubstr(std::string("--device ") + driver),
                       HasSubstr(std::string("--device simulated --spec ") + spec)));
+  // A device of a known family or maker has a driver, even without a specification of its name.
+  for (const auto& [word, driver] :
+       {std::pair("omega.3", "forcedimension"), std::pair("delta.6", "forcedimension"),
+        std::pair("Geomagic Touch", "openhaptics"), std::pair("novint", "falcon"),
+        std::pair("inverse3x", "haply")})
+    EXPECT_THAT(refusal({"--device", word}),
+                AllOf(HasSubstr(std::string("unknown device '") + word + "'"),
+                      HasSubstr(std::string("give --device ") + driver)));
   for (const std::string& spec : device_spec_names()) {
     // These names are also names of drivers.
     if (spec == "simulated" || spec == "falcon") continue;
