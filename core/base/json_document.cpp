@@ -193,7 +193,8 @@ class Builder {
       const FieldDef* field = definition.fields.Lookup(child.key);
       if (!field || field->deprecated)
         fail(child, prefix + json::shown(child.key),
-             "is no field here; the fields are: " + names_of(fields));
+             fields.empty() ? "is no field here; write { } without fields"
+                            : "is no field here; the fields are: " + names_of(fields));
       take(child, *field, prefix + child.key);
     }
     for (const FieldDef* field : fields)

@@ -164,6 +164,8 @@ TEST(LoadScene, EveryMistakeIsNamedWithLineAndField) {
       // Errors against the schema.
       {5, R"({ "name": "ice", "stifness": 5 })",
        "s.json:5: materials[1].'stifness': is no field here; the fields are: name, stiffness, "},
+      {10, R"("name": "floor", "plane": { "normal": [0, 0, 1] },)",
+       "s.json:10: objects[1].plane.'normal': is no field here; write { } without fields"},
       {5, R"({ "stiffness": 5 })", "s.json:5: materials[1].name: is missing; add it"},
       {5, R"({ "name": "ice", "stiffness": "5" })",
        "s.json:5: materials[1].stiffness: must be a number, is the text '5'; "},
