@@ -453,8 +453,14 @@ std::string text(const MissingPart& part, std::optional<std::uint64_t> first) {
     return kNanosecond * static_cast<double>(static_cast<std::int64_t>(time - first.value_or(0)));
   };
   std::array<char, 96> when{};
-  std::snprintf(when.data(), when.size(), "; missing: %.3f s to %.3f s%s", since(part.times->first),
-                since(part.times->second), first ? " of the recording" : "");
+  if (first && part.times->second < *first)
+    std::snprintf(when.data(), when.size(),
+                  "; missing: %.3f s to %.3f s before the first message that is whole",
+                  -since(part.times->first), -since(part.times->second));
+  else
+    std::snprintf(when.data(), when.size(), "; missing: %.3f s to %.3f s%s",
+                  since(part.times->first), since(part.times->second),
+                  first ? " of the recording" : "");
   return line + when.data();
 }
 

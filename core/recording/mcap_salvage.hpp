@@ -54,7 +54,7 @@ class SalvagedFile {
 };
 
 /// A line about a missing part: its bytes, what is wrong, and the time. `first` [ns]: log time of
-/// the recording's first message, from which times are counted.
+/// the recording's first whole message, from which times are counted, forwards or backwards.
 std::string text(const MissingPart& part, std::optional<std::uint64_t> first);
 
 }  // namespace feltwire::mcap

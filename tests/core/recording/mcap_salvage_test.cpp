@@ -130,6 +130,9 @@ TEST(McapSalvage, WhatIsMissingIsSaidWithItsTimes) {
   EXPECT_THAT(mcap::text(found.missing[0], 0),
               AllOf(HasSubstr("byte " + std::to_string(file.begins[3]) + " to "),
                     HasSubstr("missing: 0.060 s to 0.079 s of the recording")));
+  // If the beginning is missing, the first whole message gives the origin.
+  EXPECT_THAT(mcap::text(found.missing[0], 100 * kMillisecond),
+              HasSubstr("missing: 0.040 s to 0.021 s before the first message that is whole"));
 }
 
 TEST(McapSalvage, ATruncatedFileGivesItsWholeChunks) {
