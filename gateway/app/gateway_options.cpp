@@ -9,6 +9,7 @@
 #include "protocol/command_line/environment.hpp"
 #include "protocol/command_line/suggestion.hpp"
 #include "server/access/security.hpp"
+#include "server/app/server_config.hpp"
 
 namespace feltwire {
 namespace {
@@ -93,6 +94,8 @@ GatewayConfig gateway_config(int argc, char** argv) {
   }
   if (config.certificate.empty() != config.key.empty())
     throw std::invalid_argument("--certificate and --key belong together; give both, or neither");
+  if (const auto wrong = wrong_web_name(config.web_names))
+    throw std::invalid_argument("--web-name: " + *wrong);
   config.server = {parse_endpoint(endpoint), credentials(words)};
   if (config.state.empty() && (config.certificate.empty() || config.tokens.empty()))
     config.state = default_state_folder() / "view";

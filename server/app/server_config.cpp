@@ -21,6 +21,7 @@
 #include "protocol/session/profiles.hpp"
 #include "protocol/wire/control.hpp"
 #include "server/app/config_options.hpp"
+#include "server/web/authority.hpp"
 
 namespace feltwire {
 namespace {
@@ -133,6 +134,8 @@ Complaint complaint(const ServerConfig& c) {
       return complaint_of(option, wrong.what());
     }
   }
+  if (auto wrong = wrong_web_name(c.web_names))
+    return complaint_of("--web-name", *std::move(wrong));
   if (auto wrong = recording_complaint(c)) return wrong;
   if (find_named(kLogFormats, c.log_format) == nullptr)
     return complaint_of("--log-format",
@@ -190,6 +193,13 @@ WebPlace web_place(std::string_view text) {
 }
 
 std::string config_error(const ServerConfig& config) { return complaint(config).value_or(""); }
+
+std::optional<std::string> wrong_web_name(const std::vector<std::string>& names) {
+  for (const std::string& name : names)
+    if (!web::parse_authority(name))
+      return "'" + name + "' is no host name; write it alone, as lab.example, without https://";
+  return std::nullopt;
+}
 
 void validate(const ServerConfig& config) {
   if (config.scenes.empty())

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -62,6 +63,10 @@ struct WebPlace {
 /// Reads "6760", "0.0.0.0:6760" or "[::]:6760". Throws std::invalid_argument with the error and the
 /// remedy.
 WebPlace web_place(std::string_view text);
+
+/// The error in the first name of `names` that is no host name or IP address, with the remedy.
+/// Empty: all are. With a scheme, a path or a * a name would match no browser's request.
+std::optional<std::string> wrong_web_name(const std::vector<std::string>& names);
 
 /// The first value that is wrong: "--option: range and remedy"; empty: there is none.
 std::string config_error(const ServerConfig& config);

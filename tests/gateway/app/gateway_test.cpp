@@ -314,6 +314,10 @@ TEST(GatewayProgram, SaysInOneLineWhatIsMissing) {
             std::string(64, 'a'), "--token-file", "/nowhere"});
   EXPECT_EQ(no_file.status, 2);
   EXPECT_THAT(no_file.error, HasSubstr("/nowhere"));
+  const test::Outcome no_name = said(
+      {"--connect", "localhost:1", "--scene", "nowhere.json", "--web-name", "https://lab.example"});
+  EXPECT_EQ(no_name.status, 2);
+  EXPECT_THAT(no_name.error, HasSubstr("--web-name: 'https://lab.example'"));
 }
 
 /// A page at the address that a program printed.

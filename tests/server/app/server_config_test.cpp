@@ -96,6 +96,7 @@ TEST(Config, FaultsNameFileLineAndField) {
       {"{\n\"max_sessions_per_scene\": 0}", "max_sessions_per_scene"},
       {"{\n\"sample_rate_limit\": 1}", "sample_rate_limit"},
       {"{\n\"profile\": \"moon\"}", "profile"},
+      {"{\n\"web_names\": [\"lab.example\", \"https://lab.example\"]}", "web_names"},
       {"{\n\"busy_poll\": -2}", "busy_poll"},
       {"{\n\"busy_poll\": 1e7}", "busy_poll"},
       {"{\n\"log_level\": \"loud\"}", "log_level"},
@@ -135,11 +136,16 @@ TEST(Config, OptionsAreNamedAsOnTheCommandLine) {
       {"--address", [](auto& c) { c.address = "nowhere"; }},
       {"--silence-timeout", [](auto& c) { c.silence_timeout = 1e9; }},
       {"--dscp", [](auto& c) { c.dscp = "64"; }},
+      {"--web-name", [](auto& c) { c.web_names = {"https://lab.example"}; }},
+      {"--web-name", [](auto& c) { c.web_names = {"lab.example/live"}; }},
+      {"--web-name", [](auto& c) { c.web_names = {"*.example"}; }},
+      {"--web-name", [](auto& c) { c.web_names = {""}; }},
       {"--log-level", [](auto& c) { c.log_level = ""; }},
   };
   for (const auto& [option, spoil] : faults) {
     ServerConfig config;
     config.scenes = {"a.json"};
+    config.web_names = {"lab.example", "Lab-PC", "lab.example.", "10.0.0.7", "[fd00::7]"};
     ASSERT_NO_THROW(validate(config));
     spoil(config);
     try {
