@@ -91,7 +91,7 @@ inline std::string unit_advice(std::string_view message, std::string_view unit =
   return meant.empty() ? advice : advice + ": " + meant;
 }
 
-/// The same for an error of a command line: it knows the option that the message names.
+/// Returns unit_advice() with the unit of the option that the error of a command line names.
 inline std::string unit_advice(const CLI::Error& error, const CLI::App& app) {
   const std::string message = error.what();
   const CLI::App* asked = &app;
