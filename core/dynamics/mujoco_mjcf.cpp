@@ -137,6 +137,17 @@ std::vector<std::string> odd_meshes(const std::vector<Object>& objects) {
   return warnings;
 }
 
+/// Returns whether the text has an element of Xacro, the macro language of URDF files, outside of a
+/// comment. MuJoCo would ignore the element, and the robot would lack parts.
+bool has_xacro(std::string_view text) {
+  for (std::size_t at = text.find('<'); at < text.size(); at = text.find('<', at + 1)) {
+    const std::string_view rest = text.substr(at);
+    if (rest.starts_with("<xacro:")) return true;
+    if (rest.starts_with("<!--")) at = std::min(text.find("-->", at), text.size() - 1);
+  }
+  return false;
+}
+
 /// Reads the file before MuJoCo does, because MuJoCo's message about an unreadable file says less.
 std::string read_xml(const std::filesystem::path& file) {
   const std::string name = file.string();
@@ -152,6 +163,9 @@ std::string read_xml(const std::filesystem::path& file) {
       at == std::string_view::npos || body[at] != '<')
     throw RefusedModel(name +
                        ": does not begin with '<', so it is no XML; name an MJCF or URDF file");
+  if (has_xacro(body))
+    throw RefusedModel(name + ": is a template of Xacro; expand it with: xacro " +
+                       file.filename().string() + " > robot.urdf");
   return text;
 }
 

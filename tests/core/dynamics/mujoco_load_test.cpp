@@ -395,6 +395,23 @@ TEST_F(ShownErrors, APointerOfGitLfsIsNamedWhereverItStands) {
   EXPECT_EQ(error_of_mjcf("mark.xml"), "no error");
 }
 
+TEST_F(ShownErrors, AXacroTemplateIsToldHowToExpandIt) {
+  const std::string urdf =
+      "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'>{}<link name='l'><collision>"
+      "<geometry><sphere radius='1'/></geometry></collision></link></robot>";
+  const auto told = [&](const std::string& inner) {
+    std::string text = urdf;
+    text.replace(text.find("{}"), 2, inner);
+    write("scenes/r.xml", text);
+    return error_of_mjcf("r.xml");
+  };
+  for (const char* inner : {"<xacro:include filename='a.xacro'/>", "<!-- a -->\n<xacro:arm/>"})
+    EXPECT_THAT(told(inner), AllOf(HasSubstr("is a template of Xacro"), HasSubstr("r.xml > ")));
+  // The output of Xacro still names its namespace.
+  EXPECT_EQ(told(""), "no error");
+  EXPECT_EQ(told("<!-- made of <xacro:arm/> -->"), "no error");
+}
+
 TEST_F(ShownErrors, AWordOfANewerMuJoCoIsNamedWithTheVersion) {
   const std::string version = std::string("version ") + mj_versionString();
   const auto told = [&](const std::string& inner) {
