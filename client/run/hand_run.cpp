@@ -50,22 +50,40 @@ std::string stood_still_text(const LoopResult& result) {
          " (--let-go-after, docs/devices.md)";
 }
 
+/// Returns a text for a session that the server ended, or did not answer any more.
+std::string lost_by_text(EndReason reason, GoodbyeReason goodbye) {
+  return reason == EndReason::server_goodbye
+             ? "the server ended the session" + goodbye_error(goodbye)
+             : "the server has fallen silent; is it still running?";
+}
+
+/// Returns the error of a run that had no session when its duration was over, or an empty text.
+std::string lost_text(const LoopResult& result) {
+  if (result.end != EndReason::duration || !(result.lost_for > 0.0)) return {};
+  std::array<char, 80> text{};
+  std::snprintf(text.data(), text.size(), "the session was lost at %.1f s, and not found again: ",
+                std::max(0.0, result.duration - result.lost_for));
+  return text.data() + lost_by_text(result.lost_by, result.goodbye);
+}
+
 /// Returns the error that ended the run too early, or an empty text. `refusal`: the server's reason
-/// to refuse a new session permanently. A complete run fails if its device failed.
+/// to refuse a new session permanently. A complete run fails if its device failed, or if its
+/// session was lost.
 std::string error_of(const LoopResult& result, const std::string& refusal, const Servo& servo) {
   switch (result.end) {
     case EndReason::server_goodbye:
-      return "the server ended the session" + goodbye_error(result.goodbye);
     case EndReason::server_silent:
-      return "the server has fallen silent; is it still running?";
+      return lost_by_text(result.end, result.goodbye);
     case EndReason::refused:
       return refusal;
     case EndReason::failed:
       return std::string("the servo loop broke off: ") +
              (result.stood_still ? stood_still_text(result) : "the system gave no timer");
     default:
-      return trouble_text(servo.device_trouble(), result.duration);
+      break;
   }
+  std::string trouble = trouble_text(servo.device_trouble(), result.duration);
+  return trouble.empty() ? lost_text(result) : trouble;
 }
 
 /// Returns the metadata of MCAP files.

@@ -291,7 +291,11 @@ class Loop {
   /// Continues the ticks until the force has faded to zero, then lowers the tool.
   void let_go() noexcept {
     Nanoseconds now = monotonic_now();
-    if (lost_) result_.disconnected += seconds(now - lost_at_);
+    if (lost_) {
+      result_.lost_for = seconds(now - lost_at_);
+      result_.lost_by = lost_by_;
+      result_.disconnected += result_.lost_for;
+    }
     servo_.release();
     if (delayed_) port_.pass(now);
     tick(now);

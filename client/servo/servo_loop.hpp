@@ -81,6 +81,8 @@ struct LoopResult {
   std::uint64_t disconnections = 0;                // times the session was lost
   std::uint64_t reconnections = 0;                 // times that it, or a new one, continued
   double disconnected = 0.0;                       // [s] in total
+  double lost_for = 0.0;  // [s] since the session was lost, if there was none at the end
+  EndReason lost_by = EndReason::server_silent;  // why, if lost_for > 0 (or server_goodbye)
   bool stood_still = false;   // failed: the thread did not tick, and the device was released
   double let_go_after = 0.0;  // [s] without a tick, while a force is held, the watch lets go
   double still_for = 0.0;     // [s] without a sign of life, if it stood still

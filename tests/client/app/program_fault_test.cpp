@@ -89,6 +89,21 @@ TEST_F(ClientProgramFault, WithoutDescriptorsALostSessionEndsInOrder) {
   EXPECT_GT(report()["max_force_n"], 0.5);
 }
 
+/// The last line must not show a whole run if the server went away in the middle.
+TEST_F(ClientProgramFault, ARunThatIsOverWithoutItsSessionSaysSo) {
+  const auto program = start({"--hold-time", "1", "--duration", "4"});
+  await_force();
+  server_->stop();
+  const test::Outcome outcome = program->finish();
+  EXPECT_EQ(outcome.status, 1) << outcome.error;
+  for (const std::string& told : {outcome.out, outcome.error})
+    EXPECT_THAT(told, ::testing::ContainsRegex("the session was lost at [0-9.]+ s, and not found "
+                                               "again: the server ended the session: it is "
+                                               "shutting down"));
+  EXPECT_EQ(report()["end"], "duration");
+  EXPECT_EQ(report()["disconnections"], 1);
+}
+
 /// The program cannot wait for the thread that requests a session. The program must end at once.
 TEST_F(ClientProgramFault, ACheckThatEndsWhileItLooksForTheServerSaysWhatItFound) {
   test::Program program(FELTWIRE_CLIENT_PROGRAM,
