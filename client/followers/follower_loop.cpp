@@ -157,8 +157,9 @@ class FollowerLoop {
   }
 
   bool find_again() {
-    const Nanoseconds until = monotonic_now() + from_seconds(run_.patience);
-    while (!stop_.load() && monotonic_now() < until) {
+    Nanoseconds now = monotonic_now();
+    const Nanoseconds until = now + from_seconds(run_.patience);
+    for (; !stop_.load() && !ended(now) && now < until; now = monotonic_now()) {
       try {
         join();
         return true;

@@ -166,6 +166,24 @@ TEST_F(FollowerProgram, TheArmSitsOnTheSeatAndIsWrittenDown) {
   EXPECT_EQ(report()["samples"], count) << "a row for each sample";
 }
 
+/// The duration also counts while the program looks for its server.
+TEST_F(FollowerProgram, ARunThatIsOverWithoutItsServerEndsAndSaysSo) {
+  std::vector<std::string> words = {
+      "--surroundings", kSurroundings, "--duration", "1", "--reconnect", "8"};
+  for (const std::string& word : written()) words.push_back(word);
+  const auto program = start(words);
+  test::eventually("samples of the robot", [&] {
+    const std::string rows = text_of(folder_ / "robot.csv");
+    return std::ranges::count(rows, '\n') > 20;
+  });
+  server_->stop();
+  const Outcome outcome = program->finish();
+  EXPECT_EQ(outcome.status, 1) << outcome.error;
+  EXPECT_THAT(outcome.out, HasSubstr("end: evicted"));
+  constexpr int kInFiveSeconds = 5000;  // fewer than in the time to reconnect
+  EXPECT_LT(report()["samples"], kInFiveSeconds);
+}
+
 TEST_F(FollowerProgram, ADriverInAnotherLanguageSitsOnTheSeat) {
   std::vector<std::string> words = written();
   words.insert(words.end(), {"--socket", folder_ / "driver"});
