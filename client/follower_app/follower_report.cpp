@@ -1,8 +1,10 @@
 #include "client/follower_app/follower_report.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <string_view>
 
 #include "client/run/link_states_json.hpp"
@@ -14,6 +16,16 @@ namespace {
 std::string_view name(FollowerEnd end) {
   constexpr std::array<std::string_view, 3> kNames = {"requested", "lost", "evicted"};
   return kNames.at(static_cast<std::size_t>(end));
+}
+
+/// Returns "; the robot failed at 2.0 s: ..." if it was faulty at the end; else an empty text.
+std::string robot_fault_text(const FollowerResult& result) {
+  if (!result.robot_failed()) return {};
+  std::array<char, 128> text{};
+  std::snprintf(text.data(), text.size(),
+                "; the robot failed at %.1f s: it gave no usable state any more; see its driver",
+                std::max(0.0, result.duration - result.faulty_for));
+  return text.data();
 }
 
 }  // namespace
@@ -56,7 +68,8 @@ std::string report_line(const FollowerResult& result) {
   return "samples " + std::to_string(s.samples) + " (" + std::to_string(result.overruns) +
          " late), targets " + std::to_string(s.targets) + ", engaged " +
          std::to_string(s.engagements) + " times, largest force " + force.data() + " N, sessions " +
-         std::to_string(result.sessions) + ", end: " + std::string(name(result.end));
+         std::to_string(result.sessions) + ", end: " + std::string(name(result.end)) +
+         robot_fault_text(result);
 }
 
 }  // namespace feltwire

@@ -69,7 +69,7 @@ int follow(FollowerOptionValues& values) {
   if (!values.report.empty())
     write_whole(values.report, report_json(robot->spec(), values.run, result));
   if (record) record->finish();
-  return result.end == FollowerEnd::requested ? 0 : 1;
+  return result.end == FollowerEnd::requested && !result.robot_failed() ? 0 : 1;
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ class FollowerLoop {
         period_(from_seconds(robot.spec().servo_period)) {}
 
   FollowerResult run() {
-    begun_ = monotonic_now();
+    begun_ = usable_at_ = monotonic_now();
     join();
     while (true) {
       const bool over = serve();
@@ -94,6 +94,9 @@ class FollowerLoop {
   }
   const RobotState& tick(Nanoseconds now) {
     const RobotState& said = servo_.tick(robot_, now);
+    if (said.ok) usable_at_ = now;
+    result_.duration = seconds(now - begun_);
+    result_.faulty_for = seconds(now - usable_at_);
     if (run_.on_sample) run_.on_sample(said, servo_.target());
     return said;
   }
@@ -180,7 +183,7 @@ class FollowerLoop {
   const FollowerRun& run_;
   const std::atomic<bool>& stop_;
   FollowerServo servo_;
-  Nanoseconds period_, silence_{0}, begun_{0}, next_{0}, heard_{0};
+  Nanoseconds period_, silence_{0}, begun_{0}, next_{0}, heard_{0}, usable_at_{0};
   std::optional<RobotDatagrams> datagrams_;
   std::unique_ptr<DatagramPort> port_;
   FollowerResult result_;

@@ -42,6 +42,11 @@ struct FollowerResult {
   FollowerStatistics statistics;
   std::uint64_t sessions = 0;  // number of sessions
   std::uint64_t overruns = 0;  // samples that came a whole period late or more
+  double duration = 0.0;       // [s] from the beginning to the last sample
+  double faulty_for = 0.0;     // [s] at its end, in which the robot gave no usable state
+  /// Whether the robot was faulty at the end, and not only for a moment.
+  bool robot_failed() const { return faulty_for >= kFaulty; }
+  static constexpr double kFaulty = 0.25;  // [s]
 };
 
 /// Joins as follower and runs the robot at its servo rate in the calling thread, until `stop` is

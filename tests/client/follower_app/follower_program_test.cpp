@@ -199,6 +199,21 @@ TEST_F(FollowerProgram, ADriverInAnotherLanguageSitsOnTheSeat) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "driver"));
 }
 
+/// The last line must not show a whole run if the robot went away in the middle.
+TEST_F(FollowerProgram, ARobotThatIsGoneAtTheEndIsSaid) {
+  std::vector<std::string> words = written();
+  words.insert(words.end(), {"--socket", folder_ / "driver", "--duration", "3"});
+  const auto program = start(words);
+  EXPECT_THAT(program->error_until("waits for a driver"), HasSubstr("waits for a driver"));
+  const Program python("/usr/bin/env", {"python3", kSource + "/examples/my_follower.py",
+                                        (folder_ / "driver").string(), "1"});
+  const Outcome outcome = program->finish();
+  EXPECT_EQ(outcome.status, 1) << outcome.out;
+  EXPECT_THAT(outcome.out, ::testing::ContainsRegex(
+                               "end: requested; the robot failed at [0-9.]+ s: it gave no usable "
+                               "state any more"));
+}
+
 TEST_F(FollowerProgram, OneHandMovesOneRobotAndThenAnother) {
   std::vector<std::unique_ptr<Program>> robots;
   for (const char* seat : {"left", "right"}) {
