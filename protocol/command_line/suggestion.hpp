@@ -64,7 +64,7 @@ inline std::string suggestion(const CLI::App& app) {
 /// The unit of an option, as its description begins: "[m] Intended depth", "X,Y,Z [m] Centre".
 /// Empty: it names none.
 inline std::string unit_of(const CLI::Option& option) {
-  const std::string description = option.get_description();
+  const std::string& description = option.get_description();
   const auto begin = description.find('['), end = description.find(']', begin);
   const bool early = begin == 0 || begin == std::string_view("X,Y,Z ").size();
   return early && end != std::string::npos ? description.substr(begin + 1, end - begin - 1) : "";
