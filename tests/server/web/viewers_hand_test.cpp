@@ -31,6 +31,7 @@ struct FakeHands : PageHands {
     asked = request;
     return next;
   }
+  void trust(const Fingerprint& /*fingerprint*/) override {}
 };
 
 Json news(ViewersHand& hand) {
