@@ -46,6 +46,7 @@ class FollowerLoop {
     join();
     while (true) {
       const bool over = serve();
+      if (!over && run_.on_loss) run_.on_loss(result_.end);
       tick_on(kBrakes);
       if (over || !find_again()) break;
     }
@@ -166,7 +167,8 @@ class FollowerLoop {
       try {
         join();
         return true;
-      } catch (const LastingError&) {
+      } catch (const LastingError& error) {
+        result_.refusal = error.what();
         return false;
       } catch (const SessionError&) {
         tick_on(seconds(kBetweenJoins));

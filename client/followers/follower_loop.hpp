@@ -14,6 +14,12 @@
 
 namespace feltwire {
 
+enum class FollowerEnd : std::uint8_t {
+  requested,  // stop was set, or the duration is over
+  lost,       // the session was lost, and none was found again in time
+  evicted,    // the server ended the session, and no other was requested
+};
+
 struct FollowerRun {
   ServerAccess server{};                   // the server's address and the credentials
   std::string name = "feltwire-follower";  // of this robot, for the server's log
@@ -26,15 +32,11 @@ struct FollowerRun {
   std::function<std::unique_ptr<DatagramPort>(const Address& scene)> open_port = {};
   /// Called by the loop's thread when the robot has its seat.
   std::function<void()> on_join = {};
+  /// Called by the loop's thread when a session is lost, or the server ended it.
+  std::function<void(FollowerEnd)> on_loss = {};
   /// Called by the loop's thread after each sample with the sent state and the newest target (index
   /// 0: none yet). It must not block, allocate or throw.
   std::function<void(const RobotState&, const RobotTarget&)> on_sample = {};
-};
-
-enum class FollowerEnd : std::uint8_t {
-  requested,  // stop was set, or the duration is over
-  lost,       // the session was lost, and none was found again in time
-  evicted,    // the server ended the session, and no other was requested
 };
 
 struct FollowerResult {
@@ -47,6 +49,7 @@ struct FollowerResult {
   /// Whether the robot was faulty at the end, and not only for a moment.
   bool robot_failed() const { return faulty_for >= kFaulty; }
   static constexpr double kFaulty = 0.25;  // [s]
+  std::string refusal = {};    // why the server did not take the robot again; empty: it did not say
 };
 
 /// Joins as follower and runs the robot at its servo rate in the calling thread, until `stop` is

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
-#include <cmath>
 #include <cstring>
 #include <stdexcept>
 #include <system_error>
@@ -75,11 +74,6 @@ OwnDescriptor listen_at(const std::filesystem::path& path) {
   return made;
 }
 
-bool is_finite(const FollowerTarget& target) {
-  return target.pose.position.allFinite() && target.pose.orientation.coeffs().allFinite() &&
-         std::isfinite(target.gripper);
-}
-
 }  // namespace
 
 OwnDescriptor::~OwnDescriptor() {
@@ -88,18 +82,13 @@ OwnDescriptor::~OwnDescriptor() {
 
 SocketFollower::SocketFollower(OwnDescriptor socket, FollowerSpec spec,
                                const follower_lines::Lines& rest)
-    : socket_(std::move(socket)), spec_(std::move(spec)), lines_(rest) {
-  reading_.ok = false;
-}
+    : socket_(std::move(socket)), spec_(std::move(spec)), lines_(rest) {}
 
 FollowerReading SocketFollower::read(Nanoseconds now) noexcept {
   receive(now);
   if (hold_.load() && !hold_said_) hold_said_ = send("hold\n", 5);
   flush();
-  fresh_ = connected_ && heard_ && now - heard_at_ <= kSilent;
-  FollowerReading reading = reading_;
-  reading.ok = reading_.ok && fresh_;
-  return reading;
+  return robot_.read(now, connected_);
 }
 
 void SocketFollower::receive(Nanoseconds now) noexcept {
@@ -123,12 +112,10 @@ bool SocketFollower::take(const follower_lines::Lines::Line& line, Nanoseconds n
   FollowerReading state;
   auto fault = line.too_long ? std::optional<Fault>(kTooLong)
                              : follower_lines::read_state(line.text, number, state);
-  if (!fault && heard_ && number <= newest_)
+  if (!fault && robot_.has_reported() && number <= newest_)
     fault = Fault{"state", "has a number that is not above the last one; count upwards"};
   if (!fault) {
-    reading_ = state;
-    heard_ = true;
-    heard_at_ = now;
+    robot_.report(state, now);
     newest_ = number;
     return true;
   }
@@ -140,16 +127,11 @@ bool SocketFollower::take(const follower_lines::Lines::Line& line, Nanoseconds n
 }
 
 FollowerTarget SocketFollower::write(const FollowerTarget& target) noexcept {
-  if (!heard_) return target;  // the robot's position is unknown, so send no target
-  const bool follows = fresh_ && reading_.ok && !reading_.stopped && !hold_.load();
-  if (!follows)
-    held_ = {reading_.commanded, reading_.gripper};
-  else if (is_finite(target))
-    held_ = target;
-  if (hold_.load()) return held_;
+  const FollowerTarget held = robot_.write(target, hold_.load());
+  if (!robot_.has_reported() || hold_.load()) return held;
   std::array<char, follower_lines::kLongestLine> line{};
-  send(line.data(), follower_lines::write_target(++sent_, held_, line));
-  return held_;
+  send(line.data(), follower_lines::write_target(++sent_, held, line));
+  return held;
 }
 
 void SocketFollower::hold() noexcept {

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "client/followers/follower_lines.hpp"
+#include "client/followers/reported_robot.hpp"
 #include "core/teleoperation/follower.hpp"
 
 namespace feltwire {
@@ -31,13 +32,12 @@ class OwnDescriptor {
   int descriptor_;
 };
 
-/// The driver's states are the readings; the targets go to the driver. A driver that sends no state
-/// for kSilent, or closes the connection, is not ok. One that sends again is ok again. A line with
-/// a fault is not used: the driver gets its number, the field and the remedy. If a driver does not
-/// read in time, targets are dropped; at most some ten wait in the socket.
+/// The driver's states are the readings; the targets go to the driver, by the rules of
+/// ReportedRobot. A driver that closes the connection is not ok. A line with a fault is not used:
+/// the driver gets its number, the field and the remedy. If a driver does not read in time, targets
+/// are dropped; at most some ten wait in the socket.
 class SocketFollower final : public Follower {
  public:
-  static constexpr Nanoseconds kSilent = std::chrono::milliseconds(100);
   /// A driver that writes without end must not keep the servo: one read() takes so many lines with
   /// a fault, and answers so many of them. The rest waits in the socket.
   static constexpr int kMostFaults = 64, kMostAnswers = 4;
@@ -47,8 +47,7 @@ class SocketFollower final : public Follower {
 
   const FollowerSpec& spec() const override { return spec_; }
   FollowerReading read(Nanoseconds now) noexcept override;
-  /// Returns the given target, as far as it is finite. If the driver is stopped, silent or not ok,
-  /// it returns the target of its newest state. Before the first state nothing is sent.
+  /// Before the first state nothing is sent.
   FollowerTarget write(const FollowerTarget& target) noexcept override;
   void hold() noexcept override;
 
@@ -65,12 +64,9 @@ class SocketFollower final : public Follower {
   OwnDescriptor socket_;
   FollowerSpec spec_;
   follower_lines::Lines lines_;
-  FollowerReading reading_;
+  ReportedRobot robot_;
   std::uint64_t newest_ = 0;  // number of the driver's newest state
-  bool heard_ = false, connected_ = true;
-  bool fresh_ = false;  // at the last read()
-  Nanoseconds heard_at_{0};
-  FollowerTarget held_;  // the last target
+  bool connected_ = true;
   std::uint64_t sent_ = 0, faults_ = 0;
   std::array<char, follower_lines::kLongestLine>
       pending_{};  // the rest of a line that is partly sent
