@@ -86,19 +86,10 @@ std::string error_of(const LoopResult& result, const std::string& refusal, const
   return trouble.empty() ? lost_text(result) : trouble;
 }
 
-/// Returns the metadata of MCAP files.
-std::map<std::string, std::string> about(const RunOptions& options) {
-  return {{"client", options.name},
-          {"device", options.device_kind},
-          {"mode", std::string(options.parameters.mode)},
-          {"scene", options.scene},
-          {"server", to_string(options.server.endpoint)},
-          {"version", version()}};
-}
-
 std::optional<FlightTarget> flight_target(const RunOptions& options) {
   if (!options.flight_recorder) return std::nullopt;
-  return FlightTarget{*options.flight_recorder, about(options), options.flight_recorder_required};
+  return FlightTarget{*options.flight_recorder, recording_about(options),
+                      options.flight_recorder_required};
 }
 
 /// Returns the number of the robot's seat. Throws SessionError with the names of all seats.
@@ -170,10 +161,19 @@ void warn_of_missing(const RealTime& granted, int priority, RunOutlet& outlet) n
 
 }  // namespace
 
+std::map<std::string, std::string> recording_about(const RunOptions& options) {
+  return {{"client", options.name},
+          {"device", options.device_kind},
+          {"mode", std::string(options.parameters.mode)},
+          {"scene", options.scene},
+          {"server", to_string(options.server.endpoint)},
+          {"version", version()}};
+}
+
 std::optional<RecordingTarget> recording_target(const RunOptions& options) {
   if (!options.record) return std::nullopt;
   return RecordingTarget{
-      .file = *options.record, .limits = options.record_limits, .about = about(options)};
+      .file = *options.record, .limits = options.record_limits, .about = recording_about(options)};
 }
 
 HandRun::HandRun(std::unique_ptr<Device> device, const RunOptions& options, RunOutlet& outlet,

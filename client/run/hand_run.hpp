@@ -1,6 +1,7 @@
 #pragma once
 // A device in a scene of a server: the session, the servo thread, and what keeps both going.
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,6 +30,8 @@ struct RunTask : ServoTask {
   Ring<const FetchedScene*> fetched{kSessionRoom};
 };
 
+/// The metadata of the MCAP files of a run.
+std::map<std::string, std::string> recording_about(const RunOptions& options);
 /// The recording that the options ask for; empty: none.
 std::optional<RecordingTarget> recording_target(const RunOptions& options);
 

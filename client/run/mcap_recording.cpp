@@ -28,7 +28,7 @@ RecordedAccount account_of(const TickRecord& row) {
 }  // namespace
 
 McapRecording::Part::Part(const RecordingTarget& target, int number)
-    : file(numbered(target, number), "the recording", "--record"),
+    : file(numbered(target, number), "the recording", target.option),
       writer({.library = "feltwire " + version()}) {
   const auto channel = [this](std::uint16_t schema, const char* topic) {
     return writer.add(mcap::Channel{schema, topic, std::string(kProtobuf)});
@@ -67,9 +67,15 @@ void McapRecording::write(Ring<TickRecord>& rows) {
 }
 
 void McapRecording::note(const std::map<std::string, std::string>& values) {
-  auto noted = values;
-  noted.emplace("time", std::to_string(monotonic_now().count() + offset_));
-  part_->writer.add(mcap::Metadata{"change", noted});
+  add_metadata("change", values);
+}
+
+void McapRecording::mark(const std::string& text) { add_metadata("mark", {{"text", text}}); }
+
+void McapRecording::add_metadata(const std::string& name,
+                                 std::map<std::string, std::string> values) {
+  values.emplace("time", std::to_string(monotonic_now().count() + offset_));
+  part_->writer.add(mcap::Metadata{name, values});
   part_->flush();
 }
 

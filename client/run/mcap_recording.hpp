@@ -26,6 +26,8 @@ class McapRecording final : public Recorder {
   void see(double time, const ObservedScene& scene) override;
   /// A metadata record, `change`. Its `time` [ns since 1970] is this moment, unless it is given.
   void note(const std::map<std::string, std::string>& values) override;
+  /// A metadata record, `mark`, with `text` and `time` [ns since 1970].
+  void mark(const std::string& text) override;
   void finish() override;
 
  private:
@@ -37,6 +39,7 @@ class McapRecording final : public Recorder {
     std::uint16_t sample = 0, account = 0, pose = 0, picture = 0, scene = 0;  // channels
   };
 
+  void add_metadata(const std::string& name, std::map<std::string, std::string> values);
   bool part_is_over(std::uint64_t time) const;
   void add(const TickRecord& row, std::uint64_t time);
   void add_picture(const TickRecord& row, std::uint64_t time);

@@ -20,6 +20,7 @@ struct RecordingTarget {
   std::filesystem::path file;
   RecordingLimits limits{};
   std::map<std::string, std::string> about{};
+  std::string option = "--record";  // that named the file, for errors
 };
 
 inline std::filesystem::path numbered(const RecordingTarget& target, int number) {
@@ -38,6 +39,8 @@ class Recorder {
   virtual void see(double /*time*/, const ObservedScene& /*scene*/) {}
   /// Writes an event of this moment. A format without events writes nothing.
   virtual void note(const std::map<std::string, std::string>& /*values*/) {}
+  /// Writes a text of the user at this moment. A format without events writes nothing.
+  virtual void mark(const std::string& /*text*/) {}
   /// Waits until all data are on the disk. Throws std::runtime_error.
   virtual void finish() = 0;
 };

@@ -64,7 +64,8 @@ TickRecord tick_record(const Servo& servo, double time, Nanoseconds now) noexcep
           .torque = servo.held().torque,
           .balance = balance_of(servo),
           .account_cut = servo.account_cut(),
-          .no_force = servo.no_force()};
+          .no_force = servo.no_force(),
+          .robot = servo.remote() ? servo.remote()->remote().state : LinkState::disabled};
 }
 
 }  // namespace feltwire

@@ -6,6 +6,7 @@
 
 #include "client/servo/zero_force_reason.hpp"
 #include "core/base/types.hpp"
+#include "core/teleoperation/lead_engagement.hpp"
 
 namespace feltwire {
 
@@ -23,6 +24,7 @@ struct TickRecord {
   std::optional<double> balance{};  // [J] balance of the account; empty: there is none
   double account_cut = 0.0;         // share of the command that the account took off
   ZeroForceReason no_force = ZeroForceReason::touches_nothing;  // the reason for no force
+  LinkState robot = LinkState::disabled;  // of the hand and the robot that it leads
 };
 
 }  // namespace feltwire
