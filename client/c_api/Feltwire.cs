@@ -9,7 +9,7 @@ namespace Feltwire
     {
         public const int Ok = 0;  // It is done.
         public const int Nothing = 1;  // There is nothing yet, or nothing new.
-        public const int Ended = 2;  // The hand's run, or the observer, has ended. fw_last_error() says why, if an error ended it.
+        public const int Ended = 2;  // The hand's run, the observer or the follower has ended. fw_last_error() says why, if an error ended it.
         public const int ErrorArgument = -1;  // An argument is null, or an option is wrong. fw_last_error() names it and the remedy.
         public const int ErrorRefused = -2;  // The server refuses for good: the token, the scene, the device or a parameter.
         public const int ErrorServer = -3;  // The server is not reachable, not trusted, or full. Trying again may help.
@@ -39,7 +39,7 @@ namespace Feltwire
         }
 
         /// <summary>A place of the tool, in the world frame.</summary>
-        [StructLayout(LayoutKind.Explicit, Size = 72)]
+        [StructLayout(LayoutKind.Explicit, Size = 80)]
         public struct Pose
         {
             [FieldOffset(0)] public uint struct_size;  // [bytes] of this struct, as the program knows it
@@ -53,6 +53,7 @@ namespace Feltwire
             [FieldOffset(56)] public double orientation_3;  // unit quaternion w, x, y, z; a device that senses no rotation ignores it
             [FieldOffset(64)] public uint buttons;  // a bit each; the first is bit 0
             [FieldOffset(68)] public uint deadman;  // 1: the person holds the enabling switch that lets the hand lead a robot
+            [FieldOffset(72)] public double gripper;  // [m] the wanted opening of the robot's gripper; below 0: the hand has no lever for it
         }
 
         /// <summary>What the server granted.</summary>
@@ -74,7 +75,7 @@ namespace Feltwire
         }
 
         /// <summary>A tick of the servo.</summary>
-        [StructLayout(LayoutKind.Explicit, Size = 160)]
+        [StructLayout(LayoutKind.Explicit, Size = 168)]
         public struct Tick
         {
             [FieldOffset(0)] public uint struct_size;  // [bytes] of this struct, as the program knows it
@@ -99,6 +100,7 @@ namespace Feltwire
             [FieldOffset(144)] public double account_cut;  // share of the command that the account took off, 0 to 1
             [FieldOffset(152)] public uint zero_force_reason;  // why the force is zero: fw_zero_force_text(); 0: it is not zero, or nothing is touched
             [FieldOffset(156)] public uint connected;  // 1: the session is alive; 0: it is lost, and the hand looks for it
+            [FieldOffset(160)] public uint lead_state;  // of a hand that leads a robot: fw_lead_state_text(); 0: it leads none, or the robot is missing
         }
 
         /// <summary>How a hand meets the physics of the program. A null text is not given.</summary>
@@ -268,6 +270,128 @@ namespace Feltwire
             [FieldOffset(56)] public IntPtr token_file;  // file with the token; null: the environment variable FELTWIRE_TOKEN has it
         }
 
+        /// <summary>A robot, and the seat of a scene that it takes. A null text is not given.</summary>
+        [StructLayout(LayoutKind.Explicit, Size = 256)]
+        public struct FollowerOptions
+        {
+            [FieldOffset(0)] public uint struct_size;  // [bytes] of this struct, as the program knows it
+            [FieldOffset(4)] public uint reserved;  // 0
+            [FieldOffset(8)] public IntPtr server;  // HOST:PORT of the server's control port
+            [FieldOffset(16)] public IntPtr fingerprint;  // of the server's certificate; or:
+            [FieldOffset(24)] public IntPtr fingerprint_file;  // the file with it; or:
+            [FieldOffset(32)] public IntPtr ca_file;  // file (PEM) of the authorities to trust
+            [FieldOffset(40)] public IntPtr certificate_file;  // file (PEM) of the client's certificate, for a server that asks for one
+            [FieldOffset(48)] public IntPtr key_file;  // file (PEM) of the key of that certificate
+            [FieldOffset(56)] public IntPtr token_file;  // file with the token; null: the environment variable FELTWIRE_TOKEN has it
+            [FieldOffset(64)] public IntPtr scene;  // name of the scene that has the robot's seat
+            [FieldOffset(72)] public IntPtr seat;  // name of the seat; null: the only seat of the scene
+            [FieldOffset(80)] public IntPtr name;  // of this client, for the server's log
+            [FieldOffset(88)] public IntPtr robot;  // kind of the robot, for the server's log
+            [FieldOffset(96)] public double period;  // [s] between two samples of the library's loop, 0.0001 to 0.05. The program's own loop may have another rate
+            [FieldOffset(104)] public double stiffness;  // [N/m] above 0: of the robot's own impedance controller
+            [FieldOffset(112)] public double damping;  // [N s/m] of that controller
+            [FieldOffset(120)] public double own_damping;  // [N s/m] that the robot's body has for certain
+            [FieldOffset(128)] public double mass;  // [kg] that shows at the tool; 0: not known
+            [FieldOffset(136)] public double wrench_noise;  // [N] largest error of a measured force
+            [FieldOffset(144)] public double gripper_opening;  // [m] largest opening of the gripper; 0: there is none
+            [FieldOffset(152)] public double speed;  // [m/s] limit of the target
+            [FieldOffset(160)] public double acceleration;  // [m/s^2] limit of the target
+            [FieldOffset(168)] public double jerk;  // [m/s^3] limit of the target
+            [FieldOffset(176)] public double leash;  // [N] largest force by which the target pulls the robot
+            [FieldOffset(184)] public double workspace_low_0;  // [m] low corner of a box that limits the target, beside the workspace of the seat
+            [FieldOffset(192)] public double workspace_low_1;  // [m] low corner of a box that limits the target, beside the workspace of the seat
+            [FieldOffset(200)] public double workspace_low_2;  // [m] low corner of a box that limits the target, beside the workspace of the seat
+            [FieldOffset(208)] public double workspace_high_0;  // [m] its high corner; both corners 0: there is no box
+            [FieldOffset(216)] public double workspace_high_1;  // [m] its high corner; both corners 0: there is no box
+            [FieldOffset(224)] public double workspace_high_2;  // [m] its high corner; both corners 0: there is no box
+            [FieldOffset(232)] public double duration;  // [s] after which the run ends; 0: at fw_follower_stop()
+            [FieldOffset(240)] public double patience;  // [s] for which a lost session is looked for; 0: not at all
+            [FieldOffset(248)] public uint locked;  // axes that stay as they are while a hand is engaged, a bit each, from bit 0: x, y, z, rotation
+            [FieldOffset(252)] public uint estimates_force;  // 1: robot_state.force is an estimate, and not measured
+        }
+
+        /// <summary>A robot, as its program measures it. The robot's own world frame.</summary>
+        [StructLayout(LayoutKind.Explicit, Size = 240)]
+        public struct RobotState
+        {
+            [FieldOffset(0)] public uint struct_size;  // [bytes] of this struct, as the program knows it
+            [FieldOffset(4)] public uint reserved;  // 0
+            [FieldOffset(8)] public double position_0;  // [m] of the tool
+            [FieldOffset(16)] public double position_1;  // [m] of the tool
+            [FieldOffset(24)] public double position_2;  // [m] of the tool
+            [FieldOffset(32)] public double orientation_0;  // of the tool, unit quaternion w, x, y, z
+            [FieldOffset(40)] public double orientation_1;  // of the tool, unit quaternion w, x, y, z
+            [FieldOffset(48)] public double orientation_2;  // of the tool, unit quaternion w, x, y, z
+            [FieldOffset(56)] public double orientation_3;  // of the tool, unit quaternion w, x, y, z
+            [FieldOffset(64)] public double velocity_0;  // [m/s] of the tool
+            [FieldOffset(72)] public double velocity_1;  // [m/s] of the tool
+            [FieldOffset(80)] public double velocity_2;  // [m/s] of the tool
+            [FieldOffset(88)] public double turning_0;  // [rad/s] of the tool
+            [FieldOffset(96)] public double turning_1;  // [rad/s] of the tool
+            [FieldOffset(104)] public double turning_2;  // [rad/s] of the tool
+            [FieldOffset(112)] public double force_0;  // [N] of the environment on the tool, if has_force is 1
+            [FieldOffset(120)] public double force_1;  // [N] of the environment on the tool, if has_force is 1
+            [FieldOffset(128)] public double force_2;  // [N] of the environment on the tool, if has_force is 1
+            [FieldOffset(136)] public double torque_0;  // [N m] of the environment on the tool, about the tool
+            [FieldOffset(144)] public double torque_1;  // [N m] of the environment on the tool, about the tool
+            [FieldOffset(152)] public double torque_2;  // [N m] of the environment on the tool, about the tool
+            [FieldOffset(160)] public double commanded_position_0;  // [m] of the target that the robot's controller holds now
+            [FieldOffset(168)] public double commanded_position_1;  // [m] of the target that the robot's controller holds now
+            [FieldOffset(176)] public double commanded_position_2;  // [m] of the target that the robot's controller holds now
+            [FieldOffset(184)] public double commanded_orientation_0;  // of that target, unit quaternion w, x, y, z
+            [FieldOffset(192)] public double commanded_orientation_1;  // of that target, unit quaternion w, x, y, z
+            [FieldOffset(200)] public double commanded_orientation_2;  // of that target, unit quaternion w, x, y, z
+            [FieldOffset(208)] public double commanded_orientation_3;  // of that target, unit quaternion w, x, y, z
+            [FieldOffset(216)] public double gripper;  // [m] opening
+            [FieldOffset(224)] public double gripper_force;  // [N] that the gripper holds with
+            [FieldOffset(232)] public uint has_force;  // 1: the force is known. A force that is not known is not zero
+            [FieldOffset(236)] public uint condition;  // 0: the robot is well; 1: a protective stop, or its people hold it; 2: it has a fault
+        }
+
+        /// <summary>What a robot is to do. The robot's own world frame.</summary>
+        [StructLayout(LayoutKind.Explicit, Size = 104)]
+        public struct RobotTarget
+        {
+            [FieldOffset(0)] public uint struct_size;  // [bytes] of this struct, as the program knows it
+            [FieldOffset(4)] public uint reserved;  // 0
+            [FieldOffset(8)] public ulong number;  // of the sample of the library's loop, from 1
+            [FieldOffset(16)] public ulong sample;  // of the leading hand, counted from 1, from which the newest command comes; 0: none
+            [FieldOffset(24)] public double position_0;  // [m] target of the tool, for the robot's controller
+            [FieldOffset(32)] public double position_1;  // [m] target of the tool, for the robot's controller
+            [FieldOffset(40)] public double position_2;  // [m] target of the tool, for the robot's controller
+            [FieldOffset(48)] public double orientation_0;  // of the target, unit quaternion w, x, y, z
+            [FieldOffset(56)] public double orientation_1;  // of the target, unit quaternion w, x, y, z
+            [FieldOffset(64)] public double orientation_2;  // of the target, unit quaternion w, x, y, z
+            [FieldOffset(72)] public double orientation_3;  // of the target, unit quaternion w, x, y, z
+            [FieldOffset(80)] public double gripper;  // [m] wanted opening
+            [FieldOffset(88)] public double age;  // [s] of the newest command; -1: there is none yet. Above 0.1 s the target stands still
+            [FieldOffset(96)] public uint state;  // of hand and robot in the newest command: fw_lead_state_text(). 2: a hand is engaged, and the target follows it
+            [FieldOffset(100)] public uint connected;  // 1: the session is alive; 0: it is lost and looked for, and the target stands still
+        }
+
+        /// <summary>Where a recording goes. A null text is not given.</summary>
+        [StructLayout(LayoutKind.Explicit, Size = 40)]
+        public struct RecorderOptions
+        {
+            [FieldOffset(0)] public uint struct_size;  // [bytes] of this struct, as the program knows it
+            [FieldOffset(4)] public uint reserved;  // 0
+            [FieldOffset(8)] public IntPtr file;  // FILE.mcap
+            [FieldOffset(16)] public double mebibytes;  // [MiB] after which the next of several files begins, FILE-0001.mcap; 0: one file
+            [FieldOffset(24)] public double seconds;  // [s] after which the next of several files begins; 0: one file
+            [FieldOffset(32)] public uint replace;  // 1: a file that is there is replaced; 0: it is an error
+        }
+
+        /// <summary>How far a recording is.</summary>
+        [StructLayout(LayoutKind.Explicit, Size = 32)]
+        public struct RecordingState
+        {
+            [FieldOffset(0)] public uint struct_size;  // [bytes] of this struct, as the program knows it
+            [FieldOffset(4)] public uint reserved;  // 0
+            [FieldOffset(8)] public ulong ticks;  // that are in it or wait to be written
+            [FieldOffset(16)] public ulong lost;  // ticks that had no room, because the disk was too slow: 16384 wait at most
+            [FieldOffset(24)] public uint failed;  // 1: a file can be written no more; fw_recorder_close() says why
+        }
+
         /// <summary>The version of the library: major * 65536 + minor * 256 + patch. Threads: any thread.</summary>
         [DllImport("feltwire")]
         public static extern uint fw_version();
@@ -403,5 +527,65 @@ namespace Feltwire
         /// <summary>Frees the admin, which no other call may use meanwhile. Null is allowed. Threads: one thread at a time.</summary>
         [DllImport("feltwire")]
         public static extern int fw_admin_close(IntPtr admin);
+
+        /// <summary>The name of the state between a hand and a robot, such as "engaged"; empty: there is no such state. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern IntPtr fw_lead_state_text(uint state);
+
+        /// <summary>Fills in the usual options. Call it first, with sizeof. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern void fw_follower_options_default(ref FollowerOptions options, uint struct_size);
+
+        /// <summary>At the origin, not turned, at rest, well, its force not known. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern void fw_robot_state_default(ref RobotState state, uint struct_size);
+
+        /// <summary>Takes a seat for a robot, and runs the follower's loop of feltwire-follower in a thread of its own. Blocks until the server has answered. The follower must be closed. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_follower_open(ref FollowerOptions options, out IntPtr follower);
+
+        /// <summary>Gives the robot's newest state, and returns the newest target, which the robot's controller gets. Call it at the rate of the robot's own loop, 100 to 1000 Hz. A robot that was not heard of for 0.1 s, that is stopped or that has a fault is not led: its target is where it is told to be already. FW_NOTHING: there is no target yet, so the robot stays. FW_ENDED: the run has ended; the robot stays at this target. Threads: one thread at a time, never waits.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_follower_exchange(IntPtr follower, ref RobotState state, ref RobotTarget target, uint struct_size);
+
+        /// <summary>The newest target, to watch the robot. FW_NOTHING: there is none yet. Threads: any thread, never waits.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_follower_latest(IntPtr follower, ref RobotTarget target, uint struct_size);
+
+        /// <summary>Takes the oldest message for people that was not taken yet: the seat was lost, or the robot has it again. It is cut at `size`, with the zero byte. FW_NOTHING: there is none. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_follower_message(IntPtr follower, byte[] text, uint size);
+
+        /// <summary>Waits until the run has ended, at most `timeout` [s]. FW_ENDED: it has; FW_NOTHING: not yet. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_follower_wait(IntPtr follower, double timeout);
+
+        /// <summary>Leaves the scene. The target brakes for 0.25 s, then the run ends. Does not wait: call fw_follower_exchange() until FW_ENDED. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_follower_stop(IntPtr follower);
+
+        /// <summary>Ends the run, waits for it, and frees the follower, which no other call may use meanwhile. FW_OK, or FW_ENDED with a text if an error had ended the run. Null is allowed. Threads: one thread at a time.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_follower_close(IntPtr follower);
+
+        /// <summary>Fills in the usual options. Call it first, with sizeof. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern void fw_recorder_options_default(ref RecorderOptions options, uint struct_size);
+
+        /// <summary>Records every tick of a hand from its next tick on, as --record of feltwire-client does. One recording of a hand at a time. A thread of the library writes. The recorder must be closed; the hand may be closed before. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_recorder_open(IntPtr hand, ref RecorderOptions options, out IntPtr recorder);
+
+        /// <summary>Writes a text at this moment into the recording: a metadata record `mark` with `text` and `time` [ns since 1970]. Threads: any thread.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_recorder_mark(IntPtr recorder, IntPtr text);
+
+        /// <summary>How far the recording is. Threads: any thread, never waits.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_recorder_state(IntPtr recorder, ref RecordingState state, uint struct_size);
+
+        /// <summary>Writes the rest, waits until it is on the disk, and frees the recorder, which no other call may use meanwhile. FW_OK, or FW_ERROR_DEVICE with a text: a file is not complete, or ticks were lost. Null is allowed. Threads: one thread at a time.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_recorder_close(IntPtr recorder);
     }
 }

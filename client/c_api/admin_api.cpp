@@ -59,15 +59,11 @@ void fw_admin_options_default(fw_admin_options* options, std::uint32_t struct_si
 }
 
 std::int32_t fw_admin_open(const fw_admin_options* options, fw_admin** admin) {
-  return guarded([&] {
-    if (admin == nullptr) throw std::invalid_argument("admin is null");
-    *admin = nullptr;
+  return open_handle(admin, "admin", [&] {
     const auto given = read_struct(options, usual_admin(), "admin_options");
-    auto opened = std::make_unique<fw_admin>();
-    opened->object = std::make_unique<OpenAdmin>(OpenAdmin{access_of(given, "admin_options")});
-    list_scenes(opened->object->server, kControlTimeout);
-    *admin = opened.release();
-    return FW_OK;
+    auto opened = std::make_unique<OpenAdmin>(OpenAdmin{access_of(given, "admin_options")});
+    list_scenes(opened->server, kControlTimeout);
+    return opened;
   });
 }
 

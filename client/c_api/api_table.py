@@ -10,12 +10,14 @@ HANDLES = [
     ("hand", "A hand in a scene."),
     ("observer", "An observer of a scene."),
     ("admin", "An admin of a server."),
+    ("follower", "A robot that follows a hand."),
+    ("recorder", "A recording of a hand."),
 ]
 
 RESULTS = [
     ("OK", 0, "It is done."),
     ("NOTHING", 1, "There is nothing yet, or nothing new."),
-    ("ENDED", 2, "The hand's run, or the observer, has ended. fw_last_error() says why, if an error ended it."),
+    ("ENDED", 2, "The hand's run, the observer or the follower has ended. fw_last_error() says why, if an error ended it."),
     ("ERROR_ARGUMENT", -1, "An argument is null, or an option is wrong. fw_last_error() names it and the remedy."),
     ("ERROR_REFUSED", -2, "The server refuses for good: the token, the scene, the device or a parameter."),
     ("ERROR_SERVER", -3, "The server is not reachable, not trusted, or full. Trying again may help."),
@@ -58,6 +60,7 @@ STRUCTS = [
         ("f64[4]", "orientation", "unit quaternion w, x, y, z; a device that senses no rotation ignores it"),
         ("u32", "buttons", "a bit each; the first is bit 0"),
         ("u32", "deadman", "1: the person holds the enabling switch that lets the hand lead a robot"),
+        ("f64", "gripper", "[m] the wanted opening of the robot's gripper; below 0: the hand has no lever for it"),
     ]),
     ("session", "What the server granted.", [
         ("u64", "number", "of the session at the server"),
@@ -79,6 +82,7 @@ STRUCTS = [
         ("f64", "account_cut", "share of the command that the account took off, 0 to 1"),
         ("u32", "zero_force_reason", "why the force is zero: fw_zero_force_text(); 0: it is not zero, or nothing is touched"),
         ("u32", "connected", "1: the session is alive; 0: it is lost, and the hand looks for it"),
+        ("u32", "lead_state", "of a hand that leads a robot: fw_lead_state_text(); 0: it leads none, or the robot is missing"),
     ]),
     ("world_options", "How a hand meets the physics of the program. A null text is not given.", [
         ("text", "name", "of this hand, for its recording"),
@@ -155,6 +159,65 @@ STRUCTS = [
         ("f64[4]", "orientation", "unit quaternion w, x, y, z"),
     ]),
     ("admin_options", "Which server an admin changes. A null text is not given.", [*ACCESS]),
+    ("follower_options", "A robot, and the seat of a scene that it takes. A null text is not given.", [
+        *ACCESS,
+        ("text", "scene", "name of the scene that has the robot's seat"),
+        ("text", "seat", "name of the seat; null: the only seat of the scene"),
+        ("text", "name", "of this client, for the server's log"),
+        ("text", "robot", "kind of the robot, for the server's log"),
+        ("f64", "period", "[s] between two samples of the library's loop, 0.0001 to 0.05. The program's own loop may have another rate"),
+        ("f64", "stiffness", "[N/m] above 0: of the robot's own impedance controller"),
+        ("f64", "damping", "[N s/m] of that controller"),
+        ("f64", "own_damping", "[N s/m] that the robot's body has for certain"),
+        ("f64", "mass", "[kg] that shows at the tool; 0: not known"),
+        ("f64", "wrench_noise", "[N] largest error of a measured force"),
+        ("f64", "gripper_opening", "[m] largest opening of the gripper; 0: there is none"),
+        ("f64", "speed", "[m/s] limit of the target"),
+        ("f64", "acceleration", "[m/s^2] limit of the target"),
+        ("f64", "jerk", "[m/s^3] limit of the target"),
+        ("f64", "leash", "[N] largest force by which the target pulls the robot"),
+        ("f64[3]", "workspace_low", "[m] low corner of a box that limits the target, beside the workspace of the seat"),
+        ("f64[3]", "workspace_high", "[m] its high corner; both corners 0: there is no box"),
+        ("f64", "duration", "[s] after which the run ends; 0: at fw_follower_stop()"),
+        ("f64", "patience", "[s] for which a lost session is looked for; 0: not at all"),
+        ("u32", "locked", "axes that stay as they are while a hand is engaged, a bit each, from bit 0: x, y, z, rotation"),
+        ("u32", "estimates_force", "1: robot_state.force is an estimate, and not measured"),
+    ]),
+    ("robot_state", "A robot, as its program measures it. The robot's own world frame.", [
+        ("f64[3]", "position", "[m] of the tool"),
+        ("f64[4]", "orientation", "of the tool, unit quaternion w, x, y, z"),
+        ("f64[3]", "velocity", "[m/s] of the tool"),
+        ("f64[3]", "turning", "[rad/s] of the tool"),
+        ("f64[3]", "force", "[N] of the environment on the tool, if has_force is 1"),
+        ("f64[3]", "torque", "[N m] of the environment on the tool, about the tool"),
+        ("f64[3]", "commanded_position", "[m] of the target that the robot's controller holds now"),
+        ("f64[4]", "commanded_orientation", "of that target, unit quaternion w, x, y, z"),
+        ("f64", "gripper", "[m] opening"),
+        ("f64", "gripper_force", "[N] that the gripper holds with"),
+        ("u32", "has_force", "1: the force is known. A force that is not known is not zero"),
+        ("u32", "condition", "0: the robot is well; 1: a protective stop, or its people hold it; 2: it has a fault"),
+    ]),
+    ("robot_target", "What a robot is to do. The robot's own world frame.", [
+        ("u64", "number", "of the sample of the library's loop, from 1"),
+        ("u64", "sample", "of the leading hand, counted from 1, from which the newest command comes; 0: none"),
+        ("f64[3]", "position", "[m] target of the tool, for the robot's controller"),
+        ("f64[4]", "orientation", "of the target, unit quaternion w, x, y, z"),
+        ("f64", "gripper", "[m] wanted opening"),
+        ("f64", "age", "[s] of the newest command; -1: there is none yet. Above 0.1 s the target stands still"),
+        ("u32", "state", "of hand and robot in the newest command: fw_lead_state_text(). 2: a hand is engaged, and the target follows it"),
+        ("u32", "connected", "1: the session is alive; 0: it is lost and looked for, and the target stands still"),
+    ]),
+    ("recorder_options", "Where a recording goes. A null text is not given.", [
+        ("text", "file", "FILE.mcap"),
+        ("f64", "mebibytes", "[MiB] after which the next of several files begins, FILE-0001.mcap; 0: one file"),
+        ("f64", "seconds", "[s] after which the next of several files begins; 0: one file"),
+        ("u32", "replace", "1: a file that is there is replaced; 0: it is an error"),
+    ]),
+    ("recording_state", "How far a recording is.", [
+        ("u64", "ticks", "that are in it or wait to be written"),
+        ("u64", "lost", "ticks that had no room, because the disk was too slow: 16384 wait at most"),
+        ("u32", "failed", "1: a file can be written no more; fw_recorder_close() says why"),
+    ]),
 ]
 
 # (result, name, [(type, name)], thread word, documentation)
@@ -238,6 +301,43 @@ FUNCTIONS = [
      "Runs a command with the words of `feltwire-client admin` (docs/admin.md): \"sessions\", or \"evict\", \"3\". Blocks until it is done. "
      "Sets `answer` to its answer as JSON, which is valid until the next call with this admin; null where the command failed."),
     ("i32", "admin_close", [("admin*", "admin")], ONE, "Frees the admin, which no other call may use meanwhile. Null is allowed."),
+    ("text", "lead_state_text", [("u32", "state")], ANY, "The name of the state between a hand and a robot, such as \"engaged\"; empty: there is no such state."),
+    ("void", "follower_options_default", [("follower_options*", "options"), ("u32", "struct_size")], ANY,
+     "Fills in the usual options. Call it first, with sizeof."),
+    ("void", "robot_state_default", [("robot_state*", "state"), ("u32", "struct_size")], ANY,
+     "At the origin, not turned, at rest, well, its force not known."),
+    ("i32", "follower_open", [("const follower_options*", "options"), ("follower**", "follower")], ANY,
+     "Takes a seat for a robot, and runs the follower's loop of feltwire-follower in a thread of its own. Blocks until the server has "
+     "answered. The follower must be closed."),
+    ("i32", "follower_exchange", [("follower*", "follower"), ("const robot_state*", "state"), ("robot_target*", "target"), ("u32", "struct_size")],
+     "one thread at a time, never waits",
+     "Gives the robot's newest state, and returns the newest target, which the robot's controller gets. Call it at the rate of the robot's own "
+     "loop, 100 to 1000 Hz. A robot that was not heard of for 0.1 s, that is stopped or that has a fault is not led: its target is where it "
+     "is told to be already. FW_NOTHING: there is no target yet, so the robot stays. FW_ENDED: the run has ended; the robot stays at this "
+     "target."),
+    ("i32", "follower_latest", [("const follower*", "follower"), ("robot_target*", "target"), ("u32", "struct_size")], FREE,
+     "The newest target, to watch the robot. FW_NOTHING: there is none yet."),
+    ("i32", "follower_message", [("follower*", "follower"), ("char*", "text"), ("u32", "size")], ANY,
+     "Takes the oldest message for people that was not taken yet: the seat was lost, or the robot has it again. It is cut at `size`, with the "
+     "zero byte. FW_NOTHING: there is none."),
+    ("i32", "follower_wait", [("follower*", "follower"), ("f64", "timeout")], ANY,
+     "Waits until the run has ended, at most `timeout` [s]. FW_ENDED: it has; FW_NOTHING: not yet."),
+    ("i32", "follower_stop", [("follower*", "follower")], ANY,
+     "Leaves the scene. The target brakes for 0.25 s, then the run ends. Does not wait: call fw_follower_exchange() until FW_ENDED."),
+    ("i32", "follower_close", [("follower*", "follower")], ONE,
+     "Ends the run, waits for it, and frees the follower, which no other call may use meanwhile. FW_OK, or FW_ENDED with a text if an error had "
+     "ended the run. Null is allowed."),
+    ("void", "recorder_options_default", [("recorder_options*", "options"), ("u32", "struct_size")], ANY,
+     "Fills in the usual options. Call it first, with sizeof."),
+    ("i32", "recorder_open", [("hand*", "hand"), ("const recorder_options*", "options"), ("recorder**", "recorder")], ANY,
+     "Records every tick of a hand from its next tick on, as --record of feltwire-client does. One recording of a hand at a time. A thread of "
+     "the library writes. The recorder must be closed; the hand may be closed before."),
+    ("i32", "recorder_mark", [("recorder*", "recorder"), ("text", "text")], ANY,
+     "Writes a text at this moment into the recording: a metadata record `mark` with `text` and `time` [ns since 1970]."),
+    ("i32", "recorder_state", [("const recorder*", "recorder"), ("recording_state*", "state"), ("u32", "struct_size")], FREE, "How far the recording is."),
+    ("i32", "recorder_close", [("recorder*", "recorder")], ONE,
+     "Writes the rest, waits until it is on the disk, and frees the recorder, which no other call may use meanwhile. FW_OK, or "
+     "FW_ERROR_DEVICE with a text: a file is not complete, or ticks were lost. Null is allowed."),
 ]
 
 # The version that brought a function, where it is not 0.1.0.

@@ -1,14 +1,16 @@
 // The functions of feltwire.h for a hand, and those of no handle.
 
-#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "client/c_api/c_call.hpp"
+#include "client/c_api/c_values.hpp"
 #include "client/c_api/feltwire.h"
 #include "client/c_api/hand_opening.hpp"
+#include "client/c_api/result_texts.hpp"
 
 namespace feltwire {
 namespace {
@@ -28,6 +30,7 @@ fw_pose usual_pose() noexcept {
   fw_pose pose{};
   pose.struct_size = sizeof pose;
   pose.orientation[0] = 1.0;
+  pose.gripper = -1.0;
   return pose;
 }
 
@@ -47,34 +50,20 @@ std::vector<std::string> place_of(const fw_hand_options& options) {
   return words;
 }
 
-fw_tick to_c(const TickCopy& tick) noexcept {
-  fw_tick out{};
-  out.number = tick.number;
-  out.time = tick.time;
-  std::ranges::copy(tick.position, out.position);
-  std::ranges::copy(tick.orientation, out.orientation);
-  std::ranges::copy(tick.force, out.force);
-  std::ranges::copy(tick.torque, out.torque);
-  out.reply_age = tick.reply_age;
-  out.balance = tick.balance;
-  out.account_cut = tick.account_cut;
-  out.zero_force_reason = tick.zero_force_reason;
-  out.connected = tick.connected ? 1 : 0;
-  return out;
-}
-
 /// Throws std::invalid_argument if no hand can be there.
 CallerDevice::Move to_move(const fw_pose& pose) {
   constexpr double kFarthest = 1e3;  // [m]
-  const Vec3 position(pose.position[0], pose.position[1], pose.position[2]);
-  const Quaternion turn(pose.orientation[0], pose.orientation[1], pose.orientation[2],
-                        pose.orientation[3]);
+  const Vec3 position = vector(pose.position);
+  const Quaternion turn = quaternion(pose.orientation);
   if (!(position.norm() < kFarthest))
     throw std::invalid_argument("pose.position is not a number, or farther than 1 km away");
   if (!(turn.norm() > 0.5 && turn.norm() < 2.0))
     throw std::invalid_argument("pose.orientation is no unit quaternion w, x, y, z");
-  return {
-      .pose = {position, turn.normalized()}, .buttons = pose.buttons, .deadman = pose.deadman != 0};
+  if (!std::isfinite(pose.gripper)) throw std::invalid_argument("pose.gripper is not a number");
+  return {.pose = {position, turn.normalized()},
+          .buttons = pose.buttons,
+          .deadman = pose.deadman != 0,
+          .gripper = pose.gripper};
 }
 
 }  // namespace
@@ -86,30 +75,7 @@ std::uint32_t fw_version() { return kMajor << 16 | kMinor << 8 | kPatch; }
 
 const char* fw_last_error() { return last_error(); }
 
-const char* fw_result_text(std::int32_t result) {
-  switch (result) {
-    case FW_OK:
-      return "it is done";
-    case FW_NOTHING:
-      return "there is nothing yet, or nothing new";
-    case FW_ENDED:
-      return "the hand's run, or the observer, has ended";
-    case FW_ERROR_ARGUMENT:
-      return "an argument is null, or an option is wrong";
-    case FW_ERROR_REFUSED:
-      return "the server refuses for good";
-    case FW_ERROR_SERVER:
-      return "the server is not reachable, not trusted, or full";
-    case FW_ERROR_DEVICE:
-      return "the device or a file cannot be opened";
-    case FW_ERROR_MEMORY:
-      return "there is no memory for it";
-    case FW_ERROR_INTERNAL:
-      return "an error of the library";
-    default:
-      return "no result of this library";
-  }
-}
+const char* fw_result_text(std::int32_t result) { return result_text(result); }
 
 const char* fw_zero_force_text(std::uint32_t reason) {
   // The texts are literals, so each ends in a zero byte.
@@ -125,14 +91,9 @@ void fw_pose_default(fw_pose* pose, std::uint32_t struct_size) {
 }
 
 std::int32_t fw_hand_open(const fw_hand_options* options, fw_hand** hand) {
-  return guarded([&] {
-    if (hand == nullptr) throw std::invalid_argument("hand is null");
-    *hand = nullptr;
+  return open_handle(hand, "hand", [&] {
     const fw_hand_options given = read_struct(options, usual_options(), "hand_options");
-    auto opened = std::make_unique<fw_hand>();
-    opened->object = open_hand({"hand_options", place_of(given), given});
-    *hand = opened.release();
-    return FW_OK;
+    return open_hand({"hand_options", place_of(given), given});
   });
 }
 
@@ -146,10 +107,8 @@ std::int32_t fw_hand_session(const fw_hand* hand, fw_session* session, std::uint
   out.servo_period = accepted.parameters.servo_period;
   out.hold_time = accepted.parameters.hold_time;
   out.stiffness = accepted.stiffness;
-  for (int i = 0; i < 3; ++i) {
-    out.start_position[i] = accepted.start_position[i];
-    out.start_normal[i] = accepted.start_normal[i];
-  }
+  put(accepted.start_position, out.start_position);
+  put(accepted.start_normal, out.start_normal);
   write_struct(out, session, struct_size);
   return FW_OK;
 }
@@ -163,10 +122,10 @@ std::int32_t fw_hand_exchange(fw_hand* hand, const fw_pose* pose, fw_tick* tick,
     if (hand->object->caller() == nullptr)
       throw std::invalid_argument("the hand's device is not \"caller\": it moves itself");
     const CallerDevice::Move move = to_move(read_struct(pose, usual_pose(), "pose"));
-    TickCopy newest;
+    fw_tick newest{};
     const bool ticked = hand->object->exchange(move, newest);
-    write_struct(to_c(newest), tick, struct_size);
-    if (hand->object->over()) return FW_ENDED;
+    write_struct(newest, tick, struct_size);
+    if (hand->object->over().is_set()) return FW_ENDED;
     return ticked ? FW_OK : FW_NOTHING;
   });
 }
@@ -175,9 +134,9 @@ std::int32_t fw_hand_latest(const fw_hand* hand, fw_tick* tick, std::uint32_t st
   if (!is_open(hand)) return no_hand();
   if (tick == nullptr || !is_size(struct_size))
     return fail(FW_ERROR_ARGUMENT, "tick is null, or struct_size is not its size");
-  TickCopy newest;
+  fw_tick newest{};
   if (!hand->object->latest(newest)) return FW_NOTHING;
-  write_struct(to_c(newest), tick, struct_size);
+  write_struct(newest, tick, struct_size);
   return FW_OK;
 }
 
@@ -187,26 +146,20 @@ std::int32_t fw_hand_ticks(fw_hand* hand, fw_tick* ticks, std::uint32_t struct_s
   if (ticks == nullptr || count == nullptr || !is_size(struct_size))
     return fail(FW_ERROR_ARGUMENT, "ticks or count is null, or struct_size is not the tick's size");
   auto* to = reinterpret_cast<unsigned char*>(ticks);
-  TickCopy tick;
+  fw_tick tick{};
   for (*count = 0; *count < most && hand->object->next(tick); ++*count)
-    write_struct(to_c(tick), to + std::size_t{*count} * struct_size, struct_size);
+    write_struct(tick, to + std::size_t{*count} * struct_size, struct_size);
   return *count > 0 ? FW_OK : FW_NOTHING;
 }
 
 std::int32_t fw_hand_message(fw_hand* hand, char* text, std::uint32_t size) {
   if (!is_open(hand)) return no_hand();
-  if (text == nullptr || size == 0) return fail(FW_ERROR_ARGUMENT, "text is null, or size is 0");
-  return guarded([&] {
-    const auto message = hand->object->messages().next();
-    write_text(message.value_or(std::string()), text, size);
-    return message ? FW_OK : FW_NOTHING;
-  });
+  return give_message(hand->object->messages(), text, size);
 }
 
 std::int32_t fw_hand_wait(fw_hand* hand, double timeout) {
   if (!is_open(hand)) return no_hand();
-  if (!(timeout >= 0.0)) return fail(FW_ERROR_ARGUMENT, "timeout must be 0 or more [s]");
-  return hand->object->wait(timeout) ? FW_ENDED : FW_NOTHING;
+  return wait_for_end(hand->object->over(), timeout);
 }
 
 std::int32_t fw_hand_stop(fw_hand* hand) {

@@ -1,8 +1,11 @@
 #include "client/c_api/c_call.hpp"
 
+#include <poll.h>
 #include <pthread.h>
 
 #include <atomic>
+#include <chrono>
+#include <ctime>
 
 namespace feltwire {
 namespace {
@@ -31,9 +34,34 @@ const char* last_error() noexcept { return thread_error.data(); }
 
 std::uint32_t forks() noexcept { return forked.load(std::memory_order_relaxed); }
 
-void write_text(std::string_view from, char* to, std::uint32_t size) noexcept {
+std::int32_t give_text(const std::optional<std::string>& found, char* to,
+                       std::uint32_t size) noexcept {
+  const std::string_view text = found ? std::string_view(*found) : std::string_view();
   // An empty text may have no bytes to point to.
-  *std::copy_n(from.begin(), std::min<std::size_t>(from.size(), size - 1), to) = '\0';
+  *std::copy_n(text.begin(), std::min<std::size_t>(text.size(), size - 1), to) = '\0';
+  return found ? FW_OK : FW_NOTHING;
+}
+
+std::int32_t give_message(MessageQueue& messages, char* to, std::uint32_t size) noexcept {
+  if (to == nullptr || size == 0) return fail(FW_ERROR_ARGUMENT, "text is null, or size is 0");
+  return guarded([&] { return give_text(messages.next(), to, size); });
+}
+
+std::int32_t wait_for_end(const Event& over, double timeout) noexcept {
+  using Clock = std::chrono::steady_clock;
+  constexpr double kMost = 1e6;  // [s]
+  if (!(timeout >= 0.0)) return fail(FW_ERROR_ARGUMENT, "timeout must be 0 or more [s]");
+  const auto latest = Clock::now() + std::chrono::nanoseconds(
+                                         static_cast<std::int64_t>(1e9 * std::min(timeout, kMost)));
+  pollfd waiting{over.descriptor(), POLLIN, 0};
+  // A signal of the program may interrupt ppoll().
+  for (auto now = Clock::now(); !over.is_set() && now < latest; now = Clock::now()) {
+    const std::chrono::nanoseconds left = latest - now;
+    const timespec time{static_cast<time_t>(left / std::chrono::seconds(1)),
+                        static_cast<long>((left % std::chrono::seconds(1)).count())};
+    ::ppoll(&waiting, 1, &time, nullptr);
+  }
+  return over.is_set() ? FW_ENDED : FW_NOTHING;
 }
 
 }  // namespace feltwire

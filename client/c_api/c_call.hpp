@@ -8,11 +8,14 @@
 #include <cstring>
 #include <memory>
 #include <new>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
 #include "client/c_api/feltwire.h"
+#include "client/c_api/message_queue.hpp"
+#include "client/servo/event.hpp"
 #include "client/transport/control_client.hpp"
 
 namespace feltwire {
@@ -61,6 +64,19 @@ std::int32_t guarded(Work work) noexcept {
   }
 }
 
+/// Opens what is behind a handle, and gives the handle to the program. `name`: of the argument.
+template <class Handle, class Open>
+std::int32_t open_handle(Handle** handle, const char* name, Open open) noexcept {
+  return guarded([&] {
+    if (handle == nullptr) throw std::invalid_argument(std::string(name) + " is null");
+    *handle = nullptr;
+    auto opened = std::make_unique<Handle>();
+    opened->object = open();
+    *handle = opened.release();
+    return FW_OK;
+  });
+}
+
 /// Returns whether a struct can have this size: struct_size and `reserved` at least, and whole
 /// fields.
 constexpr bool is_size(std::uint32_t size) noexcept {
@@ -105,8 +121,15 @@ void write_struct(Struct value, void* to, std::uint32_t size) noexcept {
   std::memcpy(to, &value, std::min<std::size_t>(sizeof value, size));
 }
 
-/// Writes a text, cut at `size` with its zero byte.
-void write_text(std::string_view from, char* to, std::uint32_t size) noexcept;
+/// Writes a text, cut at `size` with its zero byte; an empty one if nothing was found. Returns
+/// FW_NOTHING then.
+std::int32_t give_text(const std::optional<std::string>& found, char* to,
+                       std::uint32_t size) noexcept;
+/// Gives the oldest message to a program. Returns an error if `to` has no room.
+std::int32_t give_message(MessageQueue& messages, char* to, std::uint32_t size) noexcept;
+/// Waits until an event is set, at most `timeout` [s]. Returns FW_ENDED if it is, else FW_NOTHING;
+/// an error for a timeout that is negative or not a number.
+std::int32_t wait_for_end(const Event& over, double timeout) noexcept;
 
 /// Returns the address and the credentials of options with those fields. `name`: of the struct.
 /// Throws std::invalid_argument that names a wrong one.

@@ -43,6 +43,7 @@ DeviceReading CallerDevice::read(Nanoseconds now) noexcept {
   reading.pose = newest_.pose;
   reading.buttons = newest_.buttons;
   reading.deadman = newest_.deadman;
+  if (newest_.gripper >= 0.0) reading.gripper = newest_.gripper;
   return reading;
 }
 

@@ -19,6 +19,7 @@ class CallerDevice final : public Device {
     Pose pose;  // world frame
     std::uint32_t buttons = 0;
     bool deadman = false;
+    double gripper = -1.0;  // [m] wanted opening of the robot's gripper; < 0: there is no lever
   };
 
   /// `stale_after` [s]: without a move for this time the hand gets no force.

@@ -3,7 +3,7 @@
  * Written by make_bindings.py from api_table.py. Change the table.
  * docs/c_api.md has a tutorial. Units are SI. Every struct begins with its size: call its fw_..._default() with sizeof, or set
  * struct_size. A function returns a result: below 0 an error, and fw_last_error() has its text. No C++ exception leaves it.
- * Threads: each function says which thread may call it. "One thread at a time": for each hand, observer or admin. */
+ * Threads: each function says which thread may call it. "One thread at a time": for each handle. */
 #ifndef FELTWIRE_H
 #define FELTWIRE_H
 
@@ -23,7 +23,7 @@ extern "C" {
 enum {
   FW_OK = 0, /* It is done. */
   FW_NOTHING = 1, /* There is nothing yet, or nothing new. */
-  FW_ENDED = 2, /* The hand's run, or the observer, has ended. fw_last_error() says why, if an error ended it. */
+  FW_ENDED = 2, /* The hand's run, the observer or the follower has ended. fw_last_error() says why, if an error ended it. */
   FW_ERROR_ARGUMENT = -1, /* An argument is null, or an option is wrong. fw_last_error() names it and the remedy. */
   FW_ERROR_REFUSED = -2, /* The server refuses for good: the token, the scene, the device or a parameter. */
   FW_ERROR_SERVER = -3, /* The server is not reachable, not trusted, or full. Trying again may help. */
@@ -35,6 +35,8 @@ enum {
 typedef struct fw_hand fw_hand; /* A hand in a scene. */
 typedef struct fw_observer fw_observer; /* An observer of a scene. */
 typedef struct fw_admin fw_admin; /* An admin of a server. */
+typedef struct fw_follower fw_follower; /* A robot that follows a hand. */
+typedef struct fw_recorder fw_recorder; /* A recording of a hand. */
 
 /* How a hand joins a scene. A null text is not given. */
 typedef struct fw_hand_options {
@@ -65,6 +67,7 @@ typedef struct fw_pose {
   double orientation[4]; /* unit quaternion w, x, y, z; a device that senses no rotation ignores it */
   uint32_t buttons; /* a bit each; the first is bit 0 */
   uint32_t deadman; /* 1: the person holds the enabling switch that lets the hand lead a robot */
+  double gripper; /* [m] the wanted opening of the robot's gripper; below 0: the hand has no lever for it */
 } fw_pose;
 
 /* What the server granted. */
@@ -94,6 +97,7 @@ typedef struct fw_tick {
   double account_cut; /* share of the command that the account took off, 0 to 1 */
   uint32_t zero_force_reason; /* why the force is zero: fw_zero_force_text(); 0: it is not zero, or nothing is touched */
   uint32_t connected; /* 1: the session is alive; 0: it is lost, and the hand looks for it */
+  uint32_t lead_state; /* of a hand that leads a robot: fw_lead_state_text(); 0: it leads none, or the robot is missing */
 } fw_tick;
 
 /* How a hand meets the physics of the program. A null text is not given. */
@@ -217,6 +221,93 @@ typedef struct fw_admin_options {
   const char* key_file; /* file (PEM) of the key of that certificate */
   const char* token_file; /* file with the token; null: the environment variable FELTWIRE_TOKEN has it */
 } fw_admin_options;
+
+/* A robot, and the seat of a scene that it takes. A null text is not given. */
+typedef struct fw_follower_options {
+  uint32_t struct_size; /* [bytes] of this struct, as the program knows it */
+  uint32_t reserved; /* 0 */
+  const char* server; /* HOST:PORT of the server's control port */
+  const char* fingerprint; /* of the server's certificate; or: */
+  const char* fingerprint_file; /* the file with it; or: */
+  const char* ca_file; /* file (PEM) of the authorities to trust */
+  const char* certificate_file; /* file (PEM) of the client's certificate, for a server that asks for one */
+  const char* key_file; /* file (PEM) of the key of that certificate */
+  const char* token_file; /* file with the token; null: the environment variable FELTWIRE_TOKEN has it */
+  const char* scene; /* name of the scene that has the robot's seat */
+  const char* seat; /* name of the seat; null: the only seat of the scene */
+  const char* name; /* of this client, for the server's log */
+  const char* robot; /* kind of the robot, for the server's log */
+  double period; /* [s] between two samples of the library's loop, 0.0001 to 0.05. The program's own loop may have
+     another rate */
+  double stiffness; /* [N/m] above 0: of the robot's own impedance controller */
+  double damping; /* [N s/m] of that controller */
+  double own_damping; /* [N s/m] that the robot's body has for certain */
+  double mass; /* [kg] that shows at the tool; 0: not known */
+  double wrench_noise; /* [N] largest error of a measured force */
+  double gripper_opening; /* [m] largest opening of the gripper; 0: there is none */
+  double speed; /* [m/s] limit of the target */
+  double acceleration; /* [m/s^2] limit of the target */
+  double jerk; /* [m/s^3] limit of the target */
+  double leash; /* [N] largest force by which the target pulls the robot */
+  double workspace_low[3]; /* [m] low corner of a box that limits the target, beside the workspace of the seat */
+  double workspace_high[3]; /* [m] its high corner; both corners 0: there is no box */
+  double duration; /* [s] after which the run ends; 0: at fw_follower_stop() */
+  double patience; /* [s] for which a lost session is looked for; 0: not at all */
+  uint32_t locked; /* axes that stay as they are while a hand is engaged, a bit each, from bit 0: x, y, z, rotation */
+  uint32_t estimates_force; /* 1: robot_state.force is an estimate, and not measured */
+} fw_follower_options;
+
+/* A robot, as its program measures it. The robot's own world frame. */
+typedef struct fw_robot_state {
+  uint32_t struct_size; /* [bytes] of this struct, as the program knows it */
+  uint32_t reserved; /* 0 */
+  double position[3]; /* [m] of the tool */
+  double orientation[4]; /* of the tool, unit quaternion w, x, y, z */
+  double velocity[3]; /* [m/s] of the tool */
+  double turning[3]; /* [rad/s] of the tool */
+  double force[3]; /* [N] of the environment on the tool, if has_force is 1 */
+  double torque[3]; /* [N m] of the environment on the tool, about the tool */
+  double commanded_position[3]; /* [m] of the target that the robot's controller holds now */
+  double commanded_orientation[4]; /* of that target, unit quaternion w, x, y, z */
+  double gripper; /* [m] opening */
+  double gripper_force; /* [N] that the gripper holds with */
+  uint32_t has_force; /* 1: the force is known. A force that is not known is not zero */
+  uint32_t condition; /* 0: the robot is well; 1: a protective stop, or its people hold it; 2: it has a fault */
+} fw_robot_state;
+
+/* What a robot is to do. The robot's own world frame. */
+typedef struct fw_robot_target {
+  uint32_t struct_size; /* [bytes] of this struct, as the program knows it */
+  uint32_t reserved; /* 0 */
+  uint64_t number; /* of the sample of the library's loop, from 1 */
+  uint64_t sample; /* of the leading hand, counted from 1, from which the newest command comes; 0: none */
+  double position[3]; /* [m] target of the tool, for the robot's controller */
+  double orientation[4]; /* of the target, unit quaternion w, x, y, z */
+  double gripper; /* [m] wanted opening */
+  double age; /* [s] of the newest command; -1: there is none yet. Above 0.1 s the target stands still */
+  uint32_t state; /* of hand and robot in the newest command: fw_lead_state_text(). 2: a hand is engaged, and the target
+     follows it */
+  uint32_t connected; /* 1: the session is alive; 0: it is lost and looked for, and the target stands still */
+} fw_robot_target;
+
+/* Where a recording goes. A null text is not given. */
+typedef struct fw_recorder_options {
+  uint32_t struct_size; /* [bytes] of this struct, as the program knows it */
+  uint32_t reserved; /* 0 */
+  const char* file; /* FILE.mcap */
+  double mebibytes; /* [MiB] after which the next of several files begins, FILE-0001.mcap; 0: one file */
+  double seconds; /* [s] after which the next of several files begins; 0: one file */
+  uint32_t replace; /* 1: a file that is there is replaced; 0: it is an error */
+} fw_recorder_options;
+
+/* How far a recording is. */
+typedef struct fw_recording_state {
+  uint32_t struct_size; /* [bytes] of this struct, as the program knows it */
+  uint32_t reserved; /* 0 */
+  uint64_t ticks; /* that are in it or wait to be written */
+  uint64_t lost; /* ticks that had no room, because the disk was too slow: 16384 wait at most */
+  uint32_t failed; /* 1: a file can be written no more; fw_recorder_close() says why */
+} fw_recording_state;
 
 /* The version of the library: major * 65536 + minor * 256 + patch.
    Threads: any thread. */
@@ -376,6 +467,75 @@ FW_EXPORT int32_t fw_admin_request(fw_admin* admin, const char* const* words, ui
 /* Frees the admin, which no other call may use meanwhile. Null is allowed.
    Threads: one thread at a time. */
 FW_EXPORT int32_t fw_admin_close(fw_admin* admin);
+
+/* The name of the state between a hand and a robot, such as "engaged"; empty: there is no such state.
+   Threads: any thread. */
+FW_EXPORT const char* fw_lead_state_text(uint32_t state);
+
+/* Fills in the usual options. Call it first, with sizeof.
+   Threads: any thread. */
+FW_EXPORT void fw_follower_options_default(fw_follower_options* options, uint32_t struct_size);
+
+/* At the origin, not turned, at rest, well, its force not known.
+   Threads: any thread. */
+FW_EXPORT void fw_robot_state_default(fw_robot_state* state, uint32_t struct_size);
+
+/* Takes a seat for a robot, and runs the follower's loop of feltwire-follower in a thread of its own. Blocks until the
+   server has answered. The follower must be closed.
+   Threads: any thread. */
+FW_EXPORT int32_t fw_follower_open(const fw_follower_options* options, fw_follower** follower);
+
+/* Gives the robot's newest state, and returns the newest target, which the robot's controller gets. Call it at the rate of
+   the robot's own loop, 100 to 1000 Hz. A robot that was not heard of for 0.1 s, that is stopped or that has a fault is
+   not led: its target is where it is told to be already. FW_NOTHING: there is no target yet, so the robot stays. FW_ENDED:
+   the run has ended; the robot stays at this target.
+   Threads: one thread at a time, never waits. */
+FW_EXPORT int32_t fw_follower_exchange(fw_follower* follower, const fw_robot_state* state, fw_robot_target* target, uint32_t struct_size);
+
+/* The newest target, to watch the robot. FW_NOTHING: there is none yet.
+   Threads: any thread, never waits. */
+FW_EXPORT int32_t fw_follower_latest(const fw_follower* follower, fw_robot_target* target, uint32_t struct_size);
+
+/* Takes the oldest message for people that was not taken yet: the seat was lost, or the robot has it again. It is cut at
+   `size`, with the zero byte. FW_NOTHING: there is none.
+   Threads: any thread. */
+FW_EXPORT int32_t fw_follower_message(fw_follower* follower, char* text, uint32_t size);
+
+/* Waits until the run has ended, at most `timeout` [s]. FW_ENDED: it has; FW_NOTHING: not yet.
+   Threads: any thread. */
+FW_EXPORT int32_t fw_follower_wait(fw_follower* follower, double timeout);
+
+/* Leaves the scene. The target brakes for 0.25 s, then the run ends. Does not wait: call fw_follower_exchange() until
+   FW_ENDED.
+   Threads: any thread. */
+FW_EXPORT int32_t fw_follower_stop(fw_follower* follower);
+
+/* Ends the run, waits for it, and frees the follower, which no other call may use meanwhile. FW_OK, or FW_ENDED with a
+   text if an error had ended the run. Null is allowed.
+   Threads: one thread at a time. */
+FW_EXPORT int32_t fw_follower_close(fw_follower* follower);
+
+/* Fills in the usual options. Call it first, with sizeof.
+   Threads: any thread. */
+FW_EXPORT void fw_recorder_options_default(fw_recorder_options* options, uint32_t struct_size);
+
+/* Records every tick of a hand from its next tick on, as --record of feltwire-client does. One recording of a hand at a
+   time. A thread of the library writes. The recorder must be closed; the hand may be closed before.
+   Threads: any thread. */
+FW_EXPORT int32_t fw_recorder_open(fw_hand* hand, const fw_recorder_options* options, fw_recorder** recorder);
+
+/* Writes a text at this moment into the recording: a metadata record `mark` with `text` and `time` [ns since 1970].
+   Threads: any thread. */
+FW_EXPORT int32_t fw_recorder_mark(fw_recorder* recorder, const char* text);
+
+/* How far the recording is.
+   Threads: any thread, never waits. */
+FW_EXPORT int32_t fw_recorder_state(const fw_recorder* recorder, fw_recording_state* state, uint32_t struct_size);
+
+/* Writes the rest, waits until it is on the disk, and frees the recorder, which no other call may use meanwhile. FW_OK, or
+   FW_ERROR_DEVICE with a text: a file is not complete, or ticks were lost. Null is allowed.
+   Threads: one thread at a time. */
+FW_EXPORT int32_t fw_recorder_close(fw_recorder* recorder);
 
 #ifdef __cplusplus
 }

@@ -60,6 +60,18 @@ std::vector<std::string> command_line(const HandRequest& request, bool caller) {
   return words;
 }
 
+/// Throws std::invalid_argument for an option that has no meaning without a server.
+void require_no_server(const HandRequest& request, const std::vector<std::string>& words) {
+  constexpr std::array kOfAServer = {"--connect",  "--fingerprint", "--fingerprint-file", "--ca",
+                                     "--cert",     "--key",         "--token-file",       "--scene",
+                                     "--role",     "--local-model", "--no-local-model",   "--link",
+                                     "--reconnect"};
+  for (const std::string& word : words)
+    for (const std::string option : kOfAServer)
+      if (word == option || word.starts_with(option + "="))
+        refuse(request, "more: " + option + " needs a server: leave it out");
+}
+
 std::unique_ptr<CallerDevice> caller_device(const HandRequest& request, ClientOptions& options) {
   const double longest = kDevicePatience * options.parameters.hold_time;
   if (!(request.stale_after >= 1e-3 && request.stale_after < longest))
@@ -76,14 +88,13 @@ std::unique_ptr<CallerDevice> caller_device(const HandRequest& request, ClientOp
 
 std::unique_ptr<OpenHand> open_hand(const HandRequest& request, const SimulatorScene* simulator) {
   const bool is_caller = request.device != nullptr && std::strcmp(request.device, "caller") == 0;
-  ClientOptions options = options_of(command_line(request, is_caller), simulator == nullptr);
+  const std::vector<std::string> words = command_line(request, is_caller);
+  if (simulator != nullptr) require_no_server(request, words);
+  ClientOptions options = options_of(words, simulator == nullptr);
   options.rehearses = false;  // it prints
   std::shared_ptr<SimulatorFeed> feed;
   options.open_port = port_opener(options);
-  if (simulator != nullptr) {
-    if (options.link) refuse(request, "more: --link needs a server");
-    feed = meet_simulator(options, *simulator);
-  }
+  if (simulator != nullptr) feed = meet_simulator(options, *simulator);
   OpenedDevice opened;
   CallerDevice* caller = nullptr;
   if (is_caller) {

@@ -58,7 +58,7 @@ def header():
  * {NOTICE}
  * docs/c_api.md has a tutorial. Units are SI. Every struct begins with its size: call its fw_..._default() with sizeof, or set
  * struct_size. A function returns a result: below 0 an error, and fw_last_error() has its text. No C++ exception leaves it.
- * Threads: each function says which thread may call it. "One thread at a time": for each hand, observer or admin. */
+ * Threads: each function says which thread may call it. "One thread at a time": for each handle. */
 #ifndef FELTWIRE_H
 #define FELTWIRE_H
 
@@ -187,6 +187,17 @@ def offsets():
     return "\n".join(out) + "\n"
 
 
+def result_texts():
+    """C++: what each result means."""
+    out = ["#pragma once", "// clang-format off", f"// The meaning of each result of the C interface. {NOTICE}", "", "#include <cstdint>", "",
+           '#include "client/c_api/feltwire.h"', "", "namespace feltwire {", "",
+           "inline const char* result_text(std::int32_t result) noexcept {", "  switch (result) {"]
+    for name, _, text in api.RESULTS:
+        out += [f"    case FW_{name}:", f'      return "{text}";']
+    out += ["    default:", '      return "no result of this library";', "  }", "}", "", "}  // namespace feltwire"]
+    return "\n".join(out) + "\n"
+
+
 def symbols():
     """The symbols of Debian's package, each with the version that brought it."""
     names = sorted(["FELTWIRE_0", *(f"fw_{name}" for _, name, *_ in api.FUNCTIONS)])
@@ -198,7 +209,7 @@ for handle, _ in api.HANDLES:
     for words, one, place in ((PY, "ctypes.c_void_p", "ctypes.POINTER(ctypes.c_void_p)"), (CS, "IntPtr", "out IntPtr")):
         words.update({f"{handle}*": one, f"const {handle}*": one, f"{handle}**": place})
 
-FILES = {"feltwire.h": header, "../python/feltwire/abi.py": python, "Feltwire.cs": csharp, "offsets.h": offsets,
+FILES = {"feltwire.h": header, "../python/feltwire/abi.py": python, "Feltwire.cs": csharp, "offsets.h": offsets, "result_texts.hpp": result_texts,
          "../../debian/libfeltwire0.symbols": symbols}
 
 if __name__ == "__main__":

@@ -2,10 +2,8 @@
 
 #include <cstring>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 
 #include "client/c_api/c_call.hpp"
 #include "client/c_api/feltwire.h"
@@ -65,13 +63,6 @@ std::int32_t copy_list(const LatestList<Struct>& list, Struct* to, std::uint32_t
   return is_there ? FW_OK : FW_NOTHING;
 }
 
-/// Writes a text, or an empty one.
-std::int32_t give(const std::optional<std::string>& found, char* text,
-                  std::uint32_t size) noexcept {
-  write_text(found ? std::string_view(*found) : std::string_view(), text, size);
-  return found ? FW_OK : FW_NOTHING;
-}
-
 }  // namespace
 }  // namespace feltwire
 
@@ -82,14 +73,8 @@ void fw_observer_options_default(fw_observer_options* options, std::uint32_t str
 }
 
 std::int32_t fw_observer_open(const fw_observer_options* options, fw_observer** observer) {
-  return guarded([&] {
-    if (observer == nullptr) throw std::invalid_argument("observer is null");
-    *observer = nullptr;
-    const auto given = read_struct(options, usual_observer(), "observer_options");
-    auto opened = std::make_unique<fw_observer>();
-    opened->object = open_observer(given);
-    *observer = opened.release();
-    return FW_OK;
+  return open_handle(observer, "observer", [&] {
+    return open_observer(read_struct(options, usual_observer(), "observer_options"));
   });
 }
 
@@ -122,13 +107,12 @@ std::int32_t fw_observer_hand_name(fw_observer* observer, std::uint32_t number, 
                                    std::uint32_t size) {
   if (!is_open(observer)) return no_observer();
   if (text == nullptr || size == 0) return fail(FW_ERROR_ARGUMENT, "text is null, or size is 0");
-  return guarded([&] { return give(observer->object->name_of(number), text, size); });
+  return guarded([&] { return give_text(observer->object->name_of(number), text, size); });
 }
 
 std::int32_t fw_observer_message(fw_observer* observer, char* text, std::uint32_t size) {
   if (!is_open(observer)) return no_observer();
-  if (text == nullptr || size == 0) return fail(FW_ERROR_ARGUMENT, "text is null, or size is 0");
-  return guarded([&] { return give(observer->object->messages().next(), text, size); });
+  return give_message(observer->object->messages(), text, size);
 }
 
 std::int32_t fw_observer_wait(fw_observer* observer, std::uint64_t number, double timeout) {

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <exception>
 #include <limits>
 #include <stdexcept>
 #include <utility>
 
+#include "client/c_api/c_values.hpp"
 #include "client/device/await_prepared.hpp"
 #include "client/servo/stall_detector.hpp"
 #include "protocol/net/clock.hpp"
@@ -19,14 +19,6 @@ namespace {
 
 constexpr double kTicksAhead = 2.0;  // of a simulator's time before the newest known tick
 constexpr int kHousekeeping = 50;    // [ms] between two looks at the run
-
-std::array<double, 3> numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-
-/// [ms] for poll(), rounded up.
-int milliseconds(double seconds) {
-  constexpr double kMost = 1e6;
-  return static_cast<int>(std::ceil(1e3 * std::clamp(seconds, 0.0, kMost)));
-}
 
 }  // namespace
 
@@ -53,31 +45,35 @@ OpenHand::OpenHand(ClientOptions options, std::unique_ptr<Device> device, Caller
 
 OpenHand::~OpenHand() { end(); }
 
-bool OpenHand::latest(TickCopy& tick) const noexcept {
-  if (latest_.get(tick) == 0) return false;
-  const bool let_go = over() || (caller_ != nullptr && caller_->released()) ||
-                      monotonic_now().count() - tick.clock > longest_tick_.count();
+bool OpenHand::latest(fw_tick& tick) const noexcept {
+  TickCopy newest{};
+  const bool ticked = latest_.get(newest) != 0;
+  tick = newest.tick;
+  if (!ticked) return false;
+  const bool let_go = over_.is_set() || (caller_ != nullptr && caller_->released()) ||
+                      monotonic_now().count() - newest.clock > longest_tick_.count();
   if (!let_go) return true;
-  tick.force = tick.torque = {};
+  put(Vec3::Zero(), tick.force);
+  put(Vec3::Zero(), tick.torque);
   tick.zero_force_reason = static_cast<std::uint32_t>(ZeroForceReason::not_held);
   return true;
 }
 
-bool OpenHand::exchange(const CallerDevice::Move& move, TickCopy& tick) noexcept {
+bool OpenHand::exchange(const CallerDevice::Move& move, fw_tick& tick) noexcept {
   const bool ticked = latest(tick);
   Command applied;
   if (ticked) {
-    applied.elastic = {tick.force[0], tick.force[1], tick.force[2]};
-    applied.torque = {tick.torque[0], tick.torque[1], tick.torque[2]};
+    applied.elastic = vector(tick.force);
+    applied.torque = vector(tick.torque);
   }
   caller_->exchange(move, monotonic_now(), applied);
   return ticked;
 }
 
 bool OpenHand::touch(SimulatorContact contact, double time) {
-  TickCopy newest;
+  TickCopy newest{};
   if (latest_.get(newest) == 0) return false;
-  const double age = newest.time - time;
+  const double age = newest.tick.time - time;
   // The tick may be newer than the one that this thread knows.
   const double ahead = kTicksAhead * accepted().parameters.servo_period;
   if (age < -ahead)
@@ -87,6 +83,11 @@ bool OpenHand::touch(SimulatorContact contact, double time) {
   touched_at_ = time;
   contact.seen = Nanoseconds(newest.clock) - from_seconds(std::max(age, 0.0));
   return feed_->put(contact);
+}
+
+std::unique_ptr<HandRecorder> OpenHand::record(RecordingTarget target) {
+  target.about = recording_about(options_);
+  return std::make_unique<HandRecorder>(target, recorder_);
 }
 
 void OpenHand::await_ready(Device& device) {
@@ -104,21 +105,23 @@ void OpenHand::await_ready(Device& device) {
 }
 
 void OpenHand::ticked(const TickRecord& tick, bool connected) noexcept {
-  const TickCopy copy{.number = ++number_,
-                      .clock = tick.clock,
-                      .time = tick.time,
-                      .position = numbers(tick.position),
-                      .force = numbers(tick.held),
-                      .torque = numbers(tick.torque),
-                      .orientation = {tick.orientation.w(), tick.orientation.x(),
-                                      tick.orientation.y(), tick.orientation.z()},
-                      .reply_age = tick.age,
-                      .balance = tick.balance.value_or(std::numeric_limits<double>::quiet_NaN()),
-                      .account_cut = tick.account_cut,
-                      .zero_force_reason = static_cast<std::uint32_t>(tick.no_force),
-                      .connected = connected};
+  TickCopy copy{{}, tick.clock};
+  fw_tick& out = copy.tick;
+  out.number = ++number_;
+  out.time = tick.time;
+  put(tick.position, out.position);
+  put(tick.orientation, out.orientation);
+  put(tick.held, out.force);
+  put(tick.torque, out.torque);
+  out.reply_age = tick.age;
+  out.balance = tick.balance.value_or(std::numeric_limits<double>::quiet_NaN());
+  out.account_cut = tick.account_cut;
+  out.zero_force_reason = static_cast<std::uint32_t>(tick.no_force);
+  out.connected = connected ? 1 : 0;
+  out.lead_state = static_cast<std::uint32_t>(tick.robot);
+  recorder_->add(tick);
   latest_.put(copy);
-  ticks_.push(copy);
+  ticks_.push(out);
 }
 
 void OpenHand::say(std::string_view line) noexcept {
@@ -126,18 +129,6 @@ void OpenHand::say(std::string_view line) noexcept {
     messages_.keep(std::string(line));
   } catch (const std::exception&) {  // no memory for it
   }
-}
-
-bool OpenHand::wait(double timeout) const noexcept {
-  using Clock = std::chrono::steady_clock;
-  const Clock::time_point latest = Clock::now() + std::chrono::milliseconds(milliseconds(timeout));
-  pollfd waiting{over_.descriptor(), POLLIN, 0};
-  // A signal of the program may interrupt poll().
-  while (!over_.is_set() && Clock::now() < latest) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(latest - Clock::now());
-    ::poll(&waiting, 1, static_cast<int>(left.count()) + 1);
-  }
-  return over_.is_set();
 }
 
 std::string OpenHand::end() noexcept {

@@ -1,7 +1,6 @@
 #pragma once
 // A hand of a program that uses the library.
 
-#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,6 +8,8 @@
 
 #include "client/app/client_options.hpp"
 #include "client/c_api/caller_device.hpp"
+#include "client/c_api/feltwire.h"
+#include "client/c_api/hand_recorder.hpp"
 #include "client/c_api/message_queue.hpp"
 #include "client/run/hand_run.hpp"
 #include "client/servo/event.hpp"
@@ -18,18 +19,10 @@
 
 namespace feltwire {
 
-/// A tick as the program gets it: numbers only, so that a copy is a copy of bytes.
+/// A tick as the program gets it.
 struct TickCopy {
-  std::uint64_t number = 0;                             // from 1
-  std::int64_t clock = 0;                               // [ns] of the servo, monotonic
-  double time = 0.0;                                    // [s] since the first tick
-  std::array<double, 3> position{}, force{}, torque{};  // [m], [N], [N m]
-  std::array<double, 4> orientation{};                  // w, x, y, z
-  double reply_age = -1.0;                              // [s]
-  double balance = 0.0;                                 // [J] not a number: there is no account
-  double account_cut = 0.0;
-  std::uint32_t zero_force_reason = 0;
-  bool connected = true;
+  fw_tick tick;
+  std::int64_t clock;  // [ns] of the servo, monotonic
 };
 
 /// A run, and a thread that looks after it. Any thread may use it.
@@ -50,10 +43,10 @@ class OpenHand final : private RunOutlet, private TickListener {
   /// Returns the newest tick in `tick`, with the force that is on the hand now: none where the
   /// device was let go, or the servo has made no tick for too long. False: there was no tick yet.
   /// It never waits.
-  bool latest(TickCopy& tick) const noexcept;
+  bool latest(fw_tick& tick) const noexcept;
   /// The program is the device. Gives a pose, and returns the force that the program must apply
   /// from now on, as latest() does. A single thread calls it; it never waits.
-  bool exchange(const CallerDevice::Move& move, TickCopy& tick) noexcept;
+  bool exchange(const CallerDevice::Move& move, fw_tick& tick) noexcept;
   /// Whether the program's own simulator says what the hand touches.
   bool meets_simulator() const noexcept { return feed_ != nullptr; }
   /// Says what the tool touches, as it was at the tick with this time [s]. False, and nothing is
@@ -62,14 +55,14 @@ class OpenHand final : private RunOutlet, private TickListener {
   /// Throws std::invalid_argument if there was no such tick. Precondition: meets_simulator().
   bool touch(SimulatorContact contact, double time);
   /// The next tick that was not taken; false: there is none. One thread at a time.
-  bool next(TickCopy& tick) noexcept { return ticks_.pop(tick); }
+  bool next(fw_tick& tick) noexcept { return ticks_.pop(tick); }
+  /// Records its ticks from the next one on. Throws as HandRecorder does.
+  std::unique_ptr<HandRecorder> record(RecordingTarget target);
   /// Its warnings and notes, for the program's people.
   MessageQueue& messages() noexcept { return messages_; }
   void stop() noexcept { run_->supervisor().stop(); }
-  /// Waits until the run has ended, at most `timeout` [s]. Returns whether it has.
-  bool wait(double timeout) const noexcept;
-  /// Whether the run has ended. It never waits.
-  bool over() const noexcept { return over_.is_set(); }
+  /// Set once the run has ended.
+  const Event& over() const noexcept { return over_; }
   /// Ends the run, and waits for it. Returns the error that ended it too early; empty: none did.
   std::string end() noexcept;
   /// After end(): a call of the device does not return, so this must not be destroyed.
@@ -87,9 +80,10 @@ class OpenHand final : private RunOutlet, private TickListener {
   std::shared_ptr<SimulatorFeed> feed_;
   double touched_at_ = 0.0;  // [s] time of the last contact; thread of the simulator
   MessageQueue messages_;
+  std::shared_ptr<RecorderPlace> recorder_ = std::make_shared<RecorderPlace>();
   std::uint64_t number_ = 0;  // of ticks; servo thread
   LatestValue<TickCopy> latest_;
-  Ring<TickCopy> ticks_{kTicks};
+  Ring<fw_tick> ticks_{kTicks};
   std::optional<HandRun> run_;
   Nanoseconds longest_tick_{0};  // after which the servo stands still
   Event over_;

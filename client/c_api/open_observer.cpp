@@ -10,6 +10,7 @@
 #include <limits>
 #include <utility>
 
+#include "client/c_api/c_values.hpp"
 #include "client/observer/query_thread.hpp"
 #include "client/transport/control_dialogue.hpp"
 #include "client/transport/listing.hpp"
@@ -22,19 +23,6 @@ constexpr int kFirstWait = 250, kLongestWait = 4000;  // [ms] between attempts t
 constexpr int kBetweenAsks = 250;                     // [ms] between two requests for names
 constexpr int kLongestLook = 16;                      // [ms] between two looks for views
 constexpr double kNotTold = std::numeric_limits<double>::quiet_NaN();
-
-void put(const Vec3& from, double (&to)[3]) {
-  for (int i = 0; i < 3; ++i) to[i] = from[i];
-}
-
-void put(const Pose& from, double (&position)[3], double (&orientation)[4]) {
-  put(from.position, position);
-  const Quaternion& turn = from.orientation;
-  orientation[0] = turn.w();
-  orientation[1] = turn.x();
-  orientation[2] = turn.y();
-  orientation[3] = turn.z();
-}
 
 fw_seen_hand to_c(const SeenHand& seen, double time) {
   fw_seen_hand hand{};

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "client/c_api/c_call.hpp"
+#include "client/c_api/c_values.hpp"
 #include "client/c_api/feltwire.h"
 #include "client/c_api/hand_opening.hpp"
 #include "core/local_model/local_model.hpp"
@@ -52,7 +53,6 @@ void require(bool holds, const std::string& what) {
   if (!holds) throw std::invalid_argument(what);
 }
 
-Vec3 vector(const double (&from)[3]) { return {from[0], from[1], from[2]}; }
 bool is_unit(const Vec3& v) { return std::abs(v.norm() - 1.0) < kUnitError; }
 bool is_within(double value, double least, double most) { return value >= least && value <= most; }
 
@@ -101,9 +101,20 @@ OpenHand& with_simulator(fw_hand* hand) {
   return *hand->object;
 }
 
+/// Throws std::invalid_argument if a surface is stiffer than the hand was opened for: its bounding
+/// reckons with that stiffness.
+void require_stated(const OpenHand& hand, double stiffness, const std::string& name) {
+  const double stated = hand.accepted().stiffness;
+  if (stiffness <= stated) return;
+  throw std::invalid_argument(name + ".stiffness is " + std::to_string(std::lround(stiffness)) +
+                              " N/m, above the stiffness of the world, " +
+                              std::to_string(std::lround(stated)) +
+                              " N/m; open the hand with that of the stiffest surface");
+}
+
 std::int32_t give(OpenHand& hand, const SimulatorContact& contact, double time) {
   require(time >= 0.0, "time must be fw_tick.time of the pose that the physics used, 0 or more");
-  if (hand.over()) return FW_ENDED;
+  if (hand.over().is_set()) return FW_ENDED;
   return hand.touch(contact, time) ? FW_OK : FW_NOTHING;
 }
 
@@ -125,20 +136,14 @@ void fw_wrench_default(fw_wrench* wrench, std::uint32_t struct_size) {
 }
 
 std::int32_t fw_hand_open_world(const fw_world_options* options, fw_hand** hand) {
-  return guarded([&] {
-    require(hand != nullptr, "hand is null");
-    *hand = nullptr;
+  return open_handle(hand, "hand", [&] {
     const fw_world_options given = read_struct(options, usual_world(), "world_options");
     require(vector(given.start_position).norm() < kFarthest,
             "world_options.start_position is not a number, or farther than 1 km away");
     const SimulatorScene scene{.stiffness = given.stiffness,
                                .start_position = vector(given.start_position),
                                .start_normal = vector(given.start_normal)};
-    const HandRequest request("world_options", {}, given);
-    auto opened = std::make_unique<fw_hand>();
-    opened->object = open_hand(request, &scene);
-    *hand = opened.release();
-    return FW_OK;
+    return open_hand(HandRequest("world_options", {}, given), &scene);
   });
 }
 
@@ -162,6 +167,7 @@ std::int32_t fw_hand_touch(fw_hand* hand, double time, double reach, const fw_pa
       const fw_patch given =
           read_fields(at + std::size_t{i} * struct_size, struct_size, usual_patch(), name);
       contact.model.patches[i] = to_patch(given, reach, name);
+      require_stated(open, given.stiffness, name);
     }
     return give(open, contact, time);
   });
@@ -182,6 +188,7 @@ std::int32_t fw_hand_push(fw_hand* hand, const fw_wrench* wrench) {
             "wrench.torque is not a number, or above 10 kN m");
     require(given.stiffness == 0.0 || is_within(given.stiffness, kSoftest, kStiffest),
             "wrench.stiffness must be 0, or 1e-3 to 1e9 N/m");
+    require_stated(open, given.stiffness, "wrench");
     return give(open, contact, given.time);
   });
 }

@@ -5,7 +5,7 @@ from .values import Struct
 
 OK = 0  # It is done.
 NOTHING = 1  # There is nothing yet, or nothing new.
-ENDED = 2  # The hand's run, or the observer, has ended. fw_last_error() says why, if an error ended it.
+ENDED = 2  # The hand's run, the observer or the follower has ended. fw_last_error() says why, if an error ended it.
 ERROR_ARGUMENT = -1  # An argument is null, or an option is wrong. fw_last_error() names it and the remedy.
 ERROR_REFUSED = -2  # The server refuses for good: the token, the scene, the device or a parameter.
 ERROR_SERVER = -3  # The server is not reachable, not trusted, or full. Trying again may help.
@@ -44,6 +44,7 @@ class Pose(Struct):
         ("orientation", ctypes.c_double * 4),  # unit quaternion w, x, y, z; a device that senses no rotation ignores it
         ("buttons", ctypes.c_uint32),  # a bit each; the first is bit 0
         ("deadman", ctypes.c_uint32),  # 1: the person holds the enabling switch that lets the hand lead a robot
+        ("gripper", ctypes.c_double),  # [m] the wanted opening of the robot's gripper; below 0: the hand has no lever for it
     ]
 
 
@@ -77,6 +78,7 @@ class Tick(Struct):
         ("account_cut", ctypes.c_double),  # share of the command that the account took off, 0 to 1
         ("zero_force_reason", ctypes.c_uint32),  # why the force is zero: fw_zero_force_text(); 0: it is not zero, or nothing is touched
         ("connected", ctypes.c_uint32),  # 1: the session is alive; 0: it is lost, and the hand looks for it
+        ("lead_state", ctypes.c_uint32),  # of a hand that leads a robot: fw_lead_state_text(); 0: it leads none, or the robot is missing
     ]
 
 
@@ -215,12 +217,107 @@ class AdminOptions(Struct):
     ]
 
 
+class FollowerOptions(Struct):
+    """A robot, and the seat of a scene that it takes. A null text is not given."""
+    _fields_ = [
+        ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
+        ("reserved", ctypes.c_uint32),  # 0
+        ("server", ctypes.c_char_p),  # HOST:PORT of the server's control port
+        ("fingerprint", ctypes.c_char_p),  # of the server's certificate; or:
+        ("fingerprint_file", ctypes.c_char_p),  # the file with it; or:
+        ("ca_file", ctypes.c_char_p),  # file (PEM) of the authorities to trust
+        ("certificate_file", ctypes.c_char_p),  # file (PEM) of the client's certificate, for a server that asks for one
+        ("key_file", ctypes.c_char_p),  # file (PEM) of the key of that certificate
+        ("token_file", ctypes.c_char_p),  # file with the token; null: the environment variable FELTWIRE_TOKEN has it
+        ("scene", ctypes.c_char_p),  # name of the scene that has the robot's seat
+        ("seat", ctypes.c_char_p),  # name of the seat; null: the only seat of the scene
+        ("name", ctypes.c_char_p),  # of this client, for the server's log
+        ("robot", ctypes.c_char_p),  # kind of the robot, for the server's log
+        ("period", ctypes.c_double),  # [s] between two samples of the library's loop, 0.0001 to 0.05. The program's own loop may have another rate
+        ("stiffness", ctypes.c_double),  # [N/m] above 0: of the robot's own impedance controller
+        ("damping", ctypes.c_double),  # [N s/m] of that controller
+        ("own_damping", ctypes.c_double),  # [N s/m] that the robot's body has for certain
+        ("mass", ctypes.c_double),  # [kg] that shows at the tool; 0: not known
+        ("wrench_noise", ctypes.c_double),  # [N] largest error of a measured force
+        ("gripper_opening", ctypes.c_double),  # [m] largest opening of the gripper; 0: there is none
+        ("speed", ctypes.c_double),  # [m/s] limit of the target
+        ("acceleration", ctypes.c_double),  # [m/s^2] limit of the target
+        ("jerk", ctypes.c_double),  # [m/s^3] limit of the target
+        ("leash", ctypes.c_double),  # [N] largest force by which the target pulls the robot
+        ("workspace_low", ctypes.c_double * 3),  # [m] low corner of a box that limits the target, beside the workspace of the seat
+        ("workspace_high", ctypes.c_double * 3),  # [m] its high corner; both corners 0: there is no box
+        ("duration", ctypes.c_double),  # [s] after which the run ends; 0: at fw_follower_stop()
+        ("patience", ctypes.c_double),  # [s] for which a lost session is looked for; 0: not at all
+        ("locked", ctypes.c_uint32),  # axes that stay as they are while a hand is engaged, a bit each, from bit 0: x, y, z, rotation
+        ("estimates_force", ctypes.c_uint32),  # 1: robot_state.force is an estimate, and not measured
+    ]
+
+
+class RobotState(Struct):
+    """A robot, as its program measures it. The robot's own world frame."""
+    _fields_ = [
+        ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
+        ("reserved", ctypes.c_uint32),  # 0
+        ("position", ctypes.c_double * 3),  # [m] of the tool
+        ("orientation", ctypes.c_double * 4),  # of the tool, unit quaternion w, x, y, z
+        ("velocity", ctypes.c_double * 3),  # [m/s] of the tool
+        ("turning", ctypes.c_double * 3),  # [rad/s] of the tool
+        ("force", ctypes.c_double * 3),  # [N] of the environment on the tool, if has_force is 1
+        ("torque", ctypes.c_double * 3),  # [N m] of the environment on the tool, about the tool
+        ("commanded_position", ctypes.c_double * 3),  # [m] of the target that the robot's controller holds now
+        ("commanded_orientation", ctypes.c_double * 4),  # of that target, unit quaternion w, x, y, z
+        ("gripper", ctypes.c_double),  # [m] opening
+        ("gripper_force", ctypes.c_double),  # [N] that the gripper holds with
+        ("has_force", ctypes.c_uint32),  # 1: the force is known. A force that is not known is not zero
+        ("condition", ctypes.c_uint32),  # 0: the robot is well; 1: a protective stop, or its people hold it; 2: it has a fault
+    ]
+
+
+class RobotTarget(Struct):
+    """What a robot is to do. The robot's own world frame."""
+    _fields_ = [
+        ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
+        ("reserved", ctypes.c_uint32),  # 0
+        ("number", ctypes.c_uint64),  # of the sample of the library's loop, from 1
+        ("sample", ctypes.c_uint64),  # of the leading hand, counted from 1, from which the newest command comes; 0: none
+        ("position", ctypes.c_double * 3),  # [m] target of the tool, for the robot's controller
+        ("orientation", ctypes.c_double * 4),  # of the target, unit quaternion w, x, y, z
+        ("gripper", ctypes.c_double),  # [m] wanted opening
+        ("age", ctypes.c_double),  # [s] of the newest command; -1: there is none yet. Above 0.1 s the target stands still
+        ("state", ctypes.c_uint32),  # of hand and robot in the newest command: fw_lead_state_text(). 2: a hand is engaged, and the target follows it
+        ("connected", ctypes.c_uint32),  # 1: the session is alive; 0: it is lost and looked for, and the target stands still
+    ]
+
+
+class RecorderOptions(Struct):
+    """Where a recording goes. A null text is not given."""
+    _fields_ = [
+        ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
+        ("reserved", ctypes.c_uint32),  # 0
+        ("file", ctypes.c_char_p),  # FILE.mcap
+        ("mebibytes", ctypes.c_double),  # [MiB] after which the next of several files begins, FILE-0001.mcap; 0: one file
+        ("seconds", ctypes.c_double),  # [s] after which the next of several files begins; 0: one file
+        ("replace", ctypes.c_uint32),  # 1: a file that is there is replaced; 0: it is an error
+    ]
+
+
+class RecordingState(Struct):
+    """How far a recording is."""
+    _fields_ = [
+        ("struct_size", ctypes.c_uint32),  # [bytes] of this struct, as the program knows it
+        ("reserved", ctypes.c_uint32),  # 0
+        ("ticks", ctypes.c_uint64),  # that are in it or wait to be written
+        ("lost", ctypes.c_uint64),  # ticks that had no room, because the disk was too slow: 16384 wait at most
+        ("failed", ctypes.c_uint32),  # 1: a file can be written no more; fw_recorder_close() says why
+    ]
+
+
 # numpy.dtype() takes it.
 POSE_DTYPE = {
-    "names": ["struct_size", "reserved", "position", "orientation", "buttons", "deadman"],
-    "formats": ["u4", "u4", ("f8", (3,)), ("f8", (4,)), "u4", "u4"],
-    "offsets": [0, 4, 8, 32, 64, 68],
-    "itemsize": 72,
+    "names": ["struct_size", "reserved", "position", "orientation", "buttons", "deadman", "gripper"],
+    "formats": ["u4", "u4", ("f8", (3,)), ("f8", (4,)), "u4", "u4", "f8"],
+    "offsets": [0, 4, 8, 32, 64, 68, 72],
+    "itemsize": 80,
 }
 
 
@@ -235,10 +332,10 @@ SESSION_DTYPE = {
 
 # numpy.dtype() takes it.
 TICK_DTYPE = {
-    "names": ["struct_size", "reserved", "number", "time", "position", "orientation", "force", "torque", "reply_age", "balance", "account_cut", "zero_force_reason", "connected"],
-    "formats": ["u4", "u4", "u8", "f8", ("f8", (3,)), ("f8", (4,)), ("f8", (3,)), ("f8", (3,)), "f8", "f8", "f8", "u4", "u4"],
-    "offsets": [0, 4, 8, 16, 24, 48, 80, 104, 128, 136, 144, 152, 156],
-    "itemsize": 160,
+    "names": ["struct_size", "reserved", "number", "time", "position", "orientation", "force", "torque", "reply_age", "balance", "account_cut", "zero_force_reason", "connected", "lead_state"],
+    "formats": ["u4", "u4", "u8", "f8", ("f8", (3,)), ("f8", (4,)), ("f8", (3,)), ("f8", (3,)), "f8", "f8", "f8", "u4", "u4", "u4"],
+    "offsets": [0, 4, 8, 16, 24, 48, 80, 104, 128, 136, 144, 152, 156, 160],
+    "itemsize": 168,
 }
 
 
@@ -284,6 +381,33 @@ SEEN_BODY_DTYPE = {
     "formats": ["u4", "u4", "u4", "f8", ("f8", (3,)), ("f8", (4,))],
     "offsets": [0, 4, 8, 16, 24, 48],
     "itemsize": 80,
+}
+
+
+# numpy.dtype() takes it.
+ROBOT_STATE_DTYPE = {
+    "names": ["struct_size", "reserved", "position", "orientation", "velocity", "turning", "force", "torque", "commanded_position", "commanded_orientation", "gripper", "gripper_force", "has_force", "condition"],
+    "formats": ["u4", "u4", ("f8", (3,)), ("f8", (4,)), ("f8", (3,)), ("f8", (3,)), ("f8", (3,)), ("f8", (3,)), ("f8", (3,)), ("f8", (4,)), "f8", "f8", "u4", "u4"],
+    "offsets": [0, 4, 8, 32, 64, 88, 112, 136, 160, 184, 216, 224, 232, 236],
+    "itemsize": 240,
+}
+
+
+# numpy.dtype() takes it.
+ROBOT_TARGET_DTYPE = {
+    "names": ["struct_size", "reserved", "number", "sample", "position", "orientation", "gripper", "age", "state", "connected"],
+    "formats": ["u4", "u4", "u8", "u8", ("f8", (3,)), ("f8", (4,)), "f8", "f8", "u4", "u4"],
+    "offsets": [0, 4, 8, 16, 24, 48, 80, 88, 96, 100],
+    "itemsize": 104,
+}
+
+
+# numpy.dtype() takes it.
+RECORDING_STATE_DTYPE = {
+    "names": ["struct_size", "reserved", "ticks", "lost", "failed"],
+    "formats": ["u4", "u4", "u8", "u8", "u4"],
+    "offsets": [0, 4, 8, 16, 24],
+    "itemsize": 32,
 }
 
 
@@ -357,4 +481,34 @@ def declare(library):
     library.fw_admin_request.argtypes = [ctypes.c_void_p, ctypes.POINTER(ctypes.c_char_p), ctypes.c_uint32, ctypes.POINTER(ctypes.c_char_p)]
     library.fw_admin_close.restype = ctypes.c_int32
     library.fw_admin_close.argtypes = [ctypes.c_void_p]
+    library.fw_lead_state_text.restype = ctypes.c_char_p
+    library.fw_lead_state_text.argtypes = [ctypes.c_uint32]
+    library.fw_follower_options_default.restype = None
+    library.fw_follower_options_default.argtypes = [ctypes.POINTER(FollowerOptions), ctypes.c_uint32]
+    library.fw_robot_state_default.restype = None
+    library.fw_robot_state_default.argtypes = [ctypes.POINTER(RobotState), ctypes.c_uint32]
+    library.fw_follower_open.restype = ctypes.c_int32
+    library.fw_follower_open.argtypes = [ctypes.POINTER(FollowerOptions), ctypes.POINTER(ctypes.c_void_p)]
+    library.fw_follower_exchange.restype = ctypes.c_int32
+    library.fw_follower_exchange.argtypes = [ctypes.c_void_p, ctypes.POINTER(RobotState), ctypes.POINTER(RobotTarget), ctypes.c_uint32]
+    library.fw_follower_latest.restype = ctypes.c_int32
+    library.fw_follower_latest.argtypes = [ctypes.c_void_p, ctypes.POINTER(RobotTarget), ctypes.c_uint32]
+    library.fw_follower_message.restype = ctypes.c_int32
+    library.fw_follower_message.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_uint32]
+    library.fw_follower_wait.restype = ctypes.c_int32
+    library.fw_follower_wait.argtypes = [ctypes.c_void_p, ctypes.c_double]
+    library.fw_follower_stop.restype = ctypes.c_int32
+    library.fw_follower_stop.argtypes = [ctypes.c_void_p]
+    library.fw_follower_close.restype = ctypes.c_int32
+    library.fw_follower_close.argtypes = [ctypes.c_void_p]
+    library.fw_recorder_options_default.restype = None
+    library.fw_recorder_options_default.argtypes = [ctypes.POINTER(RecorderOptions), ctypes.c_uint32]
+    library.fw_recorder_open.restype = ctypes.c_int32
+    library.fw_recorder_open.argtypes = [ctypes.c_void_p, ctypes.POINTER(RecorderOptions), ctypes.POINTER(ctypes.c_void_p)]
+    library.fw_recorder_mark.restype = ctypes.c_int32
+    library.fw_recorder_mark.argtypes = [ctypes.c_void_p, ctypes.c_char_p]
+    library.fw_recorder_state.restype = ctypes.c_int32
+    library.fw_recorder_state.argtypes = [ctypes.c_void_p, ctypes.POINTER(RecordingState), ctypes.c_uint32]
+    library.fw_recorder_close.restype = ctypes.c_int32
+    library.fw_recorder_close.argtypes = [ctypes.c_void_p]
     return library
