@@ -81,7 +81,10 @@ class AsyncHands(unittest.IsolatedAsyncioTestCase):
         await hand.close()
 
     async def test_errors_are_those_of_the_blocking_calls(self):
-        with self.assertRaisesRegex(ValueError, "--pth"):
+        with self.assertRaisesRegex(TypeError, "feltwire.aio.join"):
+            async with self.server.join(**PATIENT):
+                pass
+        with self.assertRaisesRegex(ValueError, "pth"):
             await self.join(pth="press")
         with self.assertRaises(feltwire.Refused):
             async with feltwire.aio.join(self.server.address, "no_such_scene", fingerprint_file=self.server.fingerprint_file,

@@ -25,7 +25,7 @@ class Page(unittest.TestCase):
             (folder / "scenes").symlink_to(SOURCE / "scenes")
             said = run_python("\n".join([PATIENTLY, *blocks]), folder=folder)
             written = {path.name for path in folder.iterdir()} - {"scenes"}
-        self.assertEqual(written, {"hand.png", "hand.mcap", "taps.png", "kitchen.json"})
+        self.assertEqual(written, {"hand.png", "hand.mcap", "taps.png", "kitchen.json", "episode.mcap"})
         self.assertGreater(float(re.search(r"the plane pushed with at most (\S+) N", said)[1]), 0.3)
         for words in ("simulated ['/hand/account'", "ticks with force: ", "scene kitchen: 2 objects", "['kitchen']", "kitchen.json:8: objects[1].sphere.radius",
                       "1.2", "Run all methods at the limits"):

@@ -49,6 +49,11 @@ class Examples(unittest.TestCase):
     def test_program_as_device(self):
         self.assertIn("the mass rests ", self.run_example("program_as_device.py", "1"))
 
+    def test_follower_with_gripper(self):
+        said = self.run_example("follower_with_gripper.py", "6")
+        self.assertRegex(said, r"the robot is engaged, at z = -\d+.\d mm, and presses with [1-9]")
+        self.assertRegex(said, r"open by 40 mm; the hand felt at most [1-9]|open by 40 mm; the hand felt at most 0.[1-9]")
+
     def test_lab_verb(self):
         said = {line.split()[0]: float(line.split()[-2]) for line in self.run_example("lab_verb.py").splitlines()}
         self.assertGreater(said["none"], 0.1)
@@ -64,7 +69,7 @@ class Examples(unittest.TestCase):
 
     def test_they_are_short_and_all_are_run(self):
         names = {path.name for path in FOLDER.glob("*.py")}
-        self.assertEqual(names, {"recording_to_numpy.py", "scene_by_program.py", "two_hands.py", "program_as_device.py", "lab_verb.py",
+        self.assertEqual(names, {"recording_to_numpy.py", "scene_by_program.py", "two_hands.py", "program_as_device.py", "lab_verb.py", "follower_with_gripper.py",
                                  "world_cloth.py", "world_platform.py", "world_tissue.py"})
         for name in names:
             self.assertLess(len((FOLDER / name).read_text().splitlines()), 80, name)

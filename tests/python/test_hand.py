@@ -1,4 +1,4 @@
-"""The Python package against a server of its own: test_hand.py SOURCE_FOLDER. FELTWIRE_LIBRARY and FELTWIRE_PROGRAMS name what was built."""
+"""The Python package against a server of its own: test_hand.py. FELTWIRE_LIBRARY and FELTWIRE_PROGRAMS name what was built."""
 import ctypes
 import pathlib
 import subprocess
@@ -9,22 +9,8 @@ import time
 import unittest
 import unittest.mock
 
-SOURCE = pathlib.Path(sys.argv.pop(1)).resolve()
-sys.path.insert(0, str(SOURCE / "client/python"))
-import feltwire  # noqa: E402
-
-LONGEST = 30.0  # [s]
-# Nobody holds these hands. A busy machine may let a thread wait, which must not end a run.
-PATIENT = {"let_go_after": 1, "flight_recorder": "off"}
-
-
-def eventually(what, condition):
-    end = time.monotonic() + LONGEST
-    while time.monotonic() < end:
-        if condition():
-            return
-    raise AssertionError(f"it did not happen within {LONGEST} s: {what}")
-
+from support import LONGEST, PATIENT, SOURCE, eventually
+import feltwire
 
 class Hands(unittest.TestCase):
     @classmethod
@@ -116,7 +102,7 @@ class Hands(unittest.TestCase):
     def test_errors_are_exceptions_with_the_text(self):
         with self.assertRaisesRegex(feltwire.Refused, "no_such_scene"):
             self.server.join("no_such_scene", **PATIENT)
-        with self.assertRaisesRegex(ValueError, "--pth"):
+        with self.assertRaisesRegex(ValueError, "pth"):
             self.server.join(pth="press")
         with self.assertRaisesRegex(feltwire.ServerError, "127.0.0.1:1"):
             feltwire.join("127.0.0.1:1", "plane", fingerprint_file=self.server.fingerprint_file, token_file=self.server.token_file)

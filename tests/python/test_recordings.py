@@ -99,6 +99,8 @@ class Recordings(unittest.TestCase):
 
     def test_topics_that_nobody_asked_for_are_left_out(self):
         self.assertEqual(list(feltwire.read(self.folder / "hand.mcap", topics=["/hand/sample"])), ["/hand/sample"])
+        with self.assertRaisesRegex(ValueError, "'/hand/sampl', and the recording has no such topic; it has /hand/account, /hand/p"):
+            feltwire.read(self.folder / "hand.mcap", topics=["/hand/sampl"])
 
     def test_several_files_are_one_recording(self):
         twice = feltwire.read(self.folder / "hand.mcap", self.folder / "hand.mcap")

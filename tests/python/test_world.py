@@ -73,10 +73,13 @@ class Worlds(unittest.TestCase):
     def test_wrong_values_are_named(self):
         with self.assertRaisesRegex(ValueError, "stiffness"):
             feltwire.World(stiffness=0.0)
-        with self.assertRaisesRegex(ValueError, "--pth"):
+        for option in ({"token_file": "token"}, {"local_model": False}, {"local_model": True}, {"link": "delay=1"}):
+            with self.assertRaisesRegex(ValueError, f"^{next(iter(option))}(=False)? needs a server: leave it out"):
+                feltwire.World(**OPTIONS, **option)
+        with self.assertRaisesRegex(ValueError, "pth"):
             feltwire.World(pth="press", **OPTIONS)
         with feltwire.World(**OPTIONS) as world:
-            for name, value in (("point", (0, 0, math.nan)), ("normal", (0, 0, 2)), ("stiffness", -1), ("dynamic_friction", 0.5)):
+            for name, value in (("point", (0, 0, math.nan)), ("normal", (0, 0, 2)), ("stiffness", -1), ("stiffness", 2 * STIFFNESS), ("dynamic_friction", 0.5)):
                 patch = feltwire.Patch((0, 0, 0), (0, 0, 1), STIFFNESS)._replace(**{name: value})
                 with self.assertRaisesRegex(ValueError, rf"patches\[0\].{name}"):
                     world.touch([patch], 0.02)

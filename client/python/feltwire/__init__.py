@@ -12,7 +12,7 @@ The hand's servo runs in libfeltwire.so, at 1 kHz and more, with the bound, the 
 starts it and reads the latest state; a Python program that pauses makes no tick late. Units are SI. docs/python.md is the
 tutorial.
 
-A part of the package is loaded when it is first used: only hands, observers and admins need libfeltwire.so.
+A part of the package is loaded when it is first used: only hands, followers, observers and admins need libfeltwire.so.
 """
 import importlib
 from typing import TYPE_CHECKING, Any, List
@@ -21,9 +21,11 @@ if TYPE_CHECKING:
     from . import aio, lab
     from .admins import Admin, admin
     from .errors import Error, FileError, Refused, SceneError, ServerError
+    from .follower import Follower, follow
     from .hand import Hand, join
     from .observer import Observer, observe
     from .plots import plot
+    from .recorder import Recorder
     from .recordings import DamageWarning, Recording, read
     from .scenes import Scene
     from .served import Server, play, serve
@@ -33,9 +35,11 @@ if TYPE_CHECKING:
 _PLACES = {
     "Admin": "admins", "admin": "admins",
     "Error": "errors", "FileError": "errors", "Refused": "errors", "SceneError": "errors", "ServerError": "errors",
+    "Follower": "follower", "follow": "follower",
     "Hand": "hand", "join": "hand",
     "Observer": "observer", "observe": "observer",
     "plot": "plots",
+    "Recorder": "recorder",
     "DamageWarning": "recordings", "Recording": "recordings", "read": "recordings",
     "Scene": "scenes",
     "Server": "served", "play": "served", "serve": "served",
@@ -43,8 +47,8 @@ _PLACES = {
     "Patch": "world", "World": "world",
 }
 
-__all__ = ["Admin", "DamageWarning", "Error", "FileError", "Hand", "Observer", "Patch", "Recording", "Refused", "Scene", "SceneError",
-           "Server", "ServerError", "Table", "World", "admin", "aio", "join", "lab", "observe", "play", "plot", "read", "serve"]
+__all__ = ["Admin", "DamageWarning", "Error", "FileError", "Follower", "Hand", "Observer", "Patch", "Recorder", "Recording", "Refused",
+           "Scene", "SceneError", "Server", "ServerError", "Table", "World", "admin", "aio", "follow", "join", "lab", "observe", "play", "plot", "read", "serve"]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,4 +1,5 @@
-"""Hands for asyncio. A blocking call has a thread of the event loop's pool for its time; ticks are fetched in batches by the loop itself.
+"""Hands and followers for asyncio. A blocking call has a thread of the event loop's pool for its time; ticks are fetched in batches by the loop
+itself.
 
     async with feltwire.aio.join(server.address, "plane", path="press", duration=3) as hand:
         async for tick in hand:
@@ -8,60 +9,109 @@ from __future__ import annotations
 
 import asyncio
 import functools
-from typing import Any, AsyncIterator, Generator, List, Optional, Sequence, Tuple
+from typing import Any, AsyncIterator, Callable, Generator, Generic, List, Optional, Sequence, Tuple, TypeVar
 
 from . import abi
+from . import follower as followers
 from . import hand as blocking
 from .errors import Error
 
 _PERIOD = 0.02  # [s] between two looks at a hand
+_Handle = TypeVar("_Handle", "Hand", "Follower")
+_Self = TypeVar("_Self", bound="_Run")
 
 
-class Joining:
-    """A join that goes on. `await` it for the Hand, or use it with `async with`, which also closes the hand."""
+class Joining(Generic[_Handle]):
+    """A join that goes on. `await` it for the Hand or Follower, or use it with `async with`, which also closes it."""
 
-    def __init__(self, server: str, scene: str, options: Any):
-        self._join = functools.partial(blocking.join, server, scene, **options)
-        self._hand: Optional[Hand] = None
+    def __init__(self, opening: Callable[[], Any], kind: Callable[[Any], _Handle]):
+        self._opening, self._kind = opening, kind
+        self._opened: Optional[_Handle] = None
 
-    def __await__(self) -> Generator[Any, None, "Hand"]:
+    def __await__(self) -> Generator[Any, None, _Handle]:
         return self._run().__await__()
 
-    async def _run(self) -> "Hand":
-        joining = asyncio.get_running_loop().run_in_executor(None, self._join)
+    async def _run(self) -> _Handle:
+        joining = asyncio.get_running_loop().run_in_executor(None, self._opening)
         try:
-            return Hand(await asyncio.shield(joining))
+            return self._kind(await asyncio.shield(joining))
         except asyncio.CancelledError:
-            # The library cannot break off a join: its hand is closed when it comes.
+            # The library cannot break off a join: what it opens is closed when it comes.
             joining.add_done_callback(_close_late)
             raise
 
-    async def __aenter__(self) -> "Hand":
-        self._hand = await self._run()
-        return self._hand
+    async def __aenter__(self) -> _Handle:
+        self._opened = await self._run()
+        return self._opened
 
     async def __aexit__(self, kind: Any, *_: object) -> None:
-        if self._hand is not None:
-            await self._hand.__aexit__(kind)
+        if self._opened is not None:
+            await self._opened.__aexit__(kind)
 
 
-def _close_late(joining: "asyncio.Future[blocking.Hand]") -> None:
+def _close_late(joining: "asyncio.Future[Any]") -> None:
     if not joining.cancelled() and joining.exception() is None:
         joining.get_loop().run_in_executor(None, joining.result().__exit__, Error)
 
 
-def join(server: str, scene: str, **options: Any) -> Joining:
+def join(server: str, scene: str, **options: Any) -> Joining[Hand]:
     """As feltwire.join(), for `async with join(...) as hand` or `hand = await join(...)`. Errors come as there."""
-    return Joining(server, scene, options)
+    return Joining(functools.partial(blocking.join, server, scene, **options), Hand)
 
 
-class Hand:
+def follow(server: str, scene: str, **options: Any) -> Joining[Follower]:
+    """As feltwire.follow(), for `async with follow(...) as follower` or `follower = await follow(...)`. Errors come as there."""
+    return Joining(functools.partial(followers.follow, server, scene, **options), Follower)
+
+
+class _Run:
+    """What a hand and a follower share. `_blocking` is the one of feltwire."""
+
+    def __init__(self, run: Any, what: str):
+        self._blocking, self._what, self._closing = run, what, False
+
+    def messages(self) -> List[str]:
+        """Its messages since the last call."""
+        return list(self._blocking.messages())
+
+    def _ended(self) -> bool:
+        if self._closing:  # A thread closes it, and this one must not wait for it.
+            raise ValueError(f"the {self._what} is closed")
+        return bool(self._blocking.wait(0.0))
+
+    async def wait(self, timeout: Optional[float] = None) -> bool:
+        """Waits until the run has ended, at most `timeout` [s]; None: without an end. Returns whether it has ended."""
+        loop = asyncio.get_running_loop()
+        end = None if timeout is None else loop.time() + timeout
+        while not self._ended():
+            if end is not None and loop.time() >= end:
+                return False
+            await asyncio.sleep(_PERIOD)
+        return True
+
+    async def close(self) -> None:
+        """Ends the run, and leaves the scene. Raises Error if an error had ended the run. May be called again."""
+        self._closing = True
+        await asyncio.get_running_loop().run_in_executor(None, self._blocking.close)
+
+    async def __aenter__(self: _Self) -> _Self:
+        return self
+
+    async def __aexit__(self, kind: Any, *_: object) -> None:
+        try:
+            await self.close()
+        except Error:
+            if kind is None:
+                raise
+
+
+class Hand(_Run):
     """A feltwire.Hand for asyncio. hand is the blocking one, session what the server granted."""
 
     def __init__(self, hand: blocking.Hand):
+        super().__init__(hand, "hand")
         self.hand = hand
         self.session: abi.Session = hand.session
-        self._closing = False
 
     def latest(self) -> Optional[abi.Tick]:
         """As feltwire.Hand.latest(). Never waits."""
@@ -76,28 +126,9 @@ class Hand:
         """As feltwire.Hand.why_no_force(). Never waits."""
         return self.hand.why_no_force()
 
-    def messages(self) -> List[str]:
-        """As feltwire.Hand.messages()."""
-        return self.hand.messages()
-
     def stop(self) -> None:
         """Lets the force fade and ends the run. Does not wait."""
         self.hand.stop()
-
-    def _ended(self) -> bool:
-        if self._closing:  # A thread closes it, and this one must not wait for it.
-            raise ValueError("the hand is closed")
-        return self.hand.wait(0.0)
-
-    async def wait(self, timeout: Optional[float] = None) -> bool:
-        """Waits until the run has ended, at most `timeout` [s]; None: without an end. Returns whether it has ended."""
-        loop = asyncio.get_running_loop()
-        end = None if timeout is None else loop.time() + timeout
-        while not self._ended():
-            if end is not None and loop.time() >= end:
-                return False
-            await asyncio.sleep(_PERIOD)
-        return True
 
     async def batches(self, period: float = _PERIOD) -> AsyncIterator[Any]:
         """What feltwire.Hand.ticks() gives every `period` [s], without empty ones, until the run has ended."""
@@ -116,17 +147,38 @@ class Hand:
             for tick in ticks:
                 yield tick
 
-    async def close(self) -> None:
-        """Ends the run, and leaves the scene. Raises Error if an error had ended the run. May be called again."""
-        self._closing = True
-        await asyncio.get_running_loop().run_in_executor(None, self.hand.close)
 
-    async def __aenter__(self) -> "Hand":
-        return self
+class Follower(_Run):
+    """A feltwire.Follower for asyncio. follower is the blocking one."""
 
-    async def __aexit__(self, kind: Any, *_: object) -> None:
-        try:
-            await self.close()
-        except Error:
-            if kind is None:
-                raise
+    def __init__(self, follower: followers.Follower):
+        super().__init__(follower, "follower")
+        self.follower = follower
+
+    def exchange(self, position: Sequence[float], orientation: Sequence[float] = (1.0, 0.0, 0.0, 0.0),
+                 **state: Any) -> Optional[abi.RobotTarget]:
+        """As feltwire.Follower.exchange(). Never waits."""
+        return self.follower.exchange(position, orientation, **state)
+
+    def latest(self) -> Optional[abi.RobotTarget]:
+        """As feltwire.Follower.latest(). Never waits."""
+        return self.follower.latest()
+
+    @property
+    def state(self) -> str:
+        """As feltwire.Follower.state."""
+        return self.follower.state
+
+    def stop(self) -> None:
+        """Leaves the scene. The target brakes for 0.25 s, then exchange() returns None. Does not wait."""
+        self.follower.stop()
+
+    async def paced(self, rate: float, duration: Optional[float] = None) -> AsyncIterator[float]:
+        """Yields the time [s] since the call, `rate` times a second, until the run has ended or for `duration` [s]. A loop that has other work
+        is late by it; a robot that needs an even pace has a thread, and feltwire.Follower."""
+        loop = asyncio.get_running_loop()
+        begin = due = loop.time()
+        while not self._ended() and (duration is None or due - begin < duration):
+            yield due - begin
+            due = max(due + 1.0 / rate, loop.time())
+            await asyncio.sleep(max(0.0, due - loop.time()))

@@ -4,9 +4,10 @@ from __future__ import annotations
 import ctypes
 import functools
 import os
+import re
 import threading
 import warnings
-from typing import Any, Callable, Dict, List, NoReturn, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, NoReturn, Optional, Sequence, Tuple, Union
 
 from . import abi
 from .errors import Error, Refused, ServerError
@@ -16,6 +17,9 @@ from .options import words as _words
 from .tables import numpy_or_none
 from .values import set_number, set_vector
 
+if TYPE_CHECKING:
+    from .recorder import Recorder
+
 Path = Union[str, "os.PathLike[str]"]
 
 _TICK_SIZE = ctypes.sizeof(abi.Tick)
@@ -23,8 +27,15 @@ _MOST_TICKS = 1 << 14
 _WORTH_KEEPING = _MOST_TICKS // 4  # ticks from which on an array keeps the whole room, and is no copy
 
 
+def _in_python(text: str) -> str:
+    """A text of the library, with the keywords of Python in place of options and fields of structs: --hold-time becomes hold_time."""
+    text = re.sub(r"\b(?:hand|world|observer|admin|follower|recorder)_options\.(?:more: )?|\brobot_state\.", "", text)
+    text = re.sub(r"(?<![\w-])--no-([a-z][a-z-]*)", lambda found: found[1].replace("-", "_") + "=False", text)
+    return re.sub(r"(?<![\w-])--([a-z][a-z-]*)", lambda found: found[1].replace("-", "_"), text)
+
+
 def _raise(result: int) -> NoReturn:
-    text = BLOCKING.fw_last_error().decode(errors="replace")
+    text = _in_python(BLOCKING.fw_last_error().decode(errors="replace"))
     if result == abi.ERROR_ARGUMENT:
         raise ValueError(text)
     if result == abi.ERROR_MEMORY:
@@ -35,6 +46,15 @@ def _raise(result: int) -> NoReturn:
 
 def _bytes(text: Optional[Path]) -> Optional[bytes]:
     return None if text is None else os.fsencode(text)
+
+
+def messages_of(one: Any, call: Callable[..., int]) -> List[str]:
+    """All messages that wait for a hand, an observer or a follower."""
+    room, found = ctypes.create_string_buffer(4096), []
+    with one._lock:
+        while call(one._open(), room, len(room)) == abi.OK:
+            found.append(room.value.decode(errors="replace"))
+    return found
 
 
 def set_hand(given: Any, device: str, spec: Optional[Path], name: str, duration: float, stale_after: float, options: Dict[str, Any]) -> None:
@@ -106,6 +126,13 @@ class Hand:
     def __enter__(self) -> Hand:
         return self
 
+    async def __aenter__(self) -> NoReturn:
+        self.close()
+        raise TypeError("a Hand is used with `with`; for `async with` join by feltwire.aio.join(server.address, scene, ...)")
+
+    async def __aexit__(self, *_: object) -> None:
+        """Never called: __aenter__() raises."""
+
     def __exit__(self, kind: Any, *_: object) -> None:
         try:
             self.close()
@@ -114,14 +141,16 @@ class Hand:
                 raise
 
     def exchange(self, position: Sequence[float], orientation: Sequence[float] = (1.0, 0.0, 0.0, 0.0), buttons: int = 0,
-                 deadman: bool = False) -> Optional[Tuple[Tuple[float, ...], Tuple[float, ...]]]:
-        """For a hand of device "caller": gives the pose of the hand, position [m] and orientation as a unit quaternion w, x, y, z.
+                 deadman: bool = False, gripper: float = -1.0) -> Optional[Tuple[Tuple[float, ...], Tuple[float, ...]]]:
+        """For a hand of device "caller": gives the pose of the hand, position [m] and orientation as a unit quaternion w, x, y, z. A hand with
+        lead=0.2 leads the robot of the scene while deadman, its enabling switch, is held; gripper [m] is the wanted opening, below 0 none.
         Returns the force [N] and torque [N m] that the program applies until its next call, each three numbers; None: the run has
         ended, and nothing may be applied."""
         pose, tick = self._pose, self._exchanged
         set_vector(pose, "position", position, "position", " [m]")
         set_vector(pose, "orientation", orientation, "orientation", " w, x, y, z")
         pose.buttons, pose.deadman = buttons, deadman
+        set_number(pose, "gripper", gripper, "gripper", " [m]")
         result = QUICK.fw_hand_exchange(self._open(), pose, tick, _TICK_SIZE)
         if result < 0:
             _raise(result)
@@ -160,6 +189,16 @@ class Hand:
         self._room = None  # The array keeps it: no copy.
         return ticks
 
+    def record(self, file: Path, *, replace: bool = False, mebibytes: float = 0.0, seconds: float = 0.0) -> Recorder:
+        """Records every tick from the next one on, until Recorder.close(), into FILE.mcap; feltwire.read() reads it.
+
+        replace: a file that is there is replaced. mebibytes [MiB], seconds [s]: after which the next of several files begins, FILE-0001.mcap;
+        0: one file. Raises ValueError if the hand is recorded already, and Error if there is such a file, or it cannot be written.
+        """
+        from .recorder import opened
+        with self._lock:
+            return opened(self._open(), file, replace, mebibytes, seconds)
+
     def why_no_force(self) -> str:
         """Why the newest force is zero, in words; empty if it is not."""
         if QUICK.fw_hand_wait(self._open(), 0.0) == abi.ENDED:
@@ -169,11 +208,7 @@ class Hand:
 
     def messages(self) -> List[str]:
         """The warnings and notes since the last call."""
-        room, found = ctypes.create_string_buffer(4096), []
-        with self._lock:
-            while BLOCKING.fw_hand_message(self._open(), room, len(room)) == abi.OK:
-                found.append(room.value.decode(errors="replace"))
-        return found
+        return messages_of(self, BLOCKING.fw_hand_message)
 
     def wait(self, timeout: float = 1e6) -> bool:
         """Waits until the run has ended, at most `timeout` [s]; 0: only asks. Returns whether it has. Ctrl-C interrupts it."""

@@ -5,7 +5,7 @@ import threading
 
 from . import abi
 from .forked import renew_after_fork
-from .hand import Error, _bytes, _raise
+from .hand import Error, _bytes, _raise, messages_of
 from .library import BLOCKING, QUICK
 
 _STATE_SIZE = ctypes.sizeof(abi.SceneState)
@@ -150,11 +150,7 @@ class Observer:
 
     def messages(self):
         """What happened to the session since the last call: it was lost, or is there again."""
-        room, found = ctypes.create_string_buffer(4096), []
-        with self._lock:
-            while BLOCKING.fw_observer_message(self._open(), room, len(room)) == abi.OK:
-                found.append(room.value.decode(errors="replace"))
-        return found
+        return messages_of(self, BLOCKING.fw_observer_message)
 
     def wait(self, timeout=1e6, after=None):
         """Waits for a state with a number greater than `after` (None: than that of the newest), at most `timeout` [s]. Returns whether

@@ -7,7 +7,7 @@ import pathlib
 import struct
 import warnings
 from array import array
-from typing import Any, Collection, Dict, Iterator, List, Optional, Tuple, Union
+from typing import Any, Collection, Dict, Iterator, List, Optional, Set, Tuple, Union
 
 from . import mcap
 from .errors import FileError
@@ -58,7 +58,7 @@ class Recording:
 def read(*paths: Path, topics: Optional[Collection[str]] = None) -> Recording:
     """Reads a recording: the MCAP files of one recording in their order, or a CSV file (docs/recording.md).
 
-    topics: only these; without it all. Units are SI, values are in the world frame, quaternions are w, x, y, z. Columns are NumPy arrays;
+    topics: only these; without it all. Raises ValueError with the topics that there are if one of them is not in the recording. Units are SI, values are in the world frame, quaternions are w, x, y, z. Columns are NumPy arrays;
     without NumPy arrays and lists of the standard library. An optional number that a message does not have is not a number.
 
     A damaged or cut file gives what is whole in it, and a DamageWarning; Recording.missing lists the rest. Raises FileError for a file
@@ -118,6 +118,7 @@ class _Reader:
 
     def __init__(self, wanted: Optional[Collection[str]]):
         self._wanted = wanted
+        self._seen: Set[str] = set()
         self._topics: Dict[str, _Topic] = {}
         self._metadata: List[Tuple[str, Dict[str, str]]] = []
         self._attachments: Dict[str, bytes] = {}
@@ -137,6 +138,7 @@ class _Reader:
                 if file.found == 0 and file.missing and file.missing[0].end > file.missing[0].begin:
                     raise FileError(f"{path}: byte {file.missing[0].begin}: {file.missing[0].what}, and no message is whole; copy the file anew "
                                     "from where it was recorded")
+        self._seen |= {channel.topic for channel in file.channels.values()}
         self._metadata += file.metadata
         self._attachments.update(file.attachments)
         if file.missing:
@@ -191,6 +193,9 @@ class _Reader:
         return topic
 
     def recording(self) -> Recording:
+        for topic in self._wanted or ():
+            if self._seen and topic not in self._seen:
+                raise ValueError(f"topics has {topic!r}, and the recording has no such topic; it has {', '.join(sorted(self._seen))}")
         first = self._first or 0
         return Recording({name: self._topics[name].table(first) for name in sorted(self._topics)}, self._metadata, self._attachments,
                          self._missing)

@@ -20,6 +20,7 @@ from .scenes import Scene
 
 if TYPE_CHECKING:
     from .admins import Admin
+    from .follower import Follower
     from .hand import Hand
     from .observer import Observer
 
@@ -131,12 +132,28 @@ class Server:
         """An Admin of this server, with a token of its own."""
         self._require_open()
         from .admins import admin
+        return admin(self.address, fingerprint_file=self.fingerprint_file, token_file=self._token("admin", "*"))
+
+    def follow(self, scene: Optional[str] = None, **options: Any) -> "Follower":
+        """Takes the seat of a robot in one of its scenes, the first one if none is named, with a token of its own. Keywords and errors as in
+        feltwire.follow()."""
+        self._require_open()
+        from .follower import follow
+        scene = scene or self.scenes[0]
+        return follow(self.address, scene, fingerprint_file=self.fingerprint_file, token_file=self._token("follower", scene), **options)
+
+    def _token(self, role: str, scene: str) -> str:
+        """The path of a token of this role, which is made when it is first asked for."""
+        if scene != "*" and scene not in self.scenes:
+            raise ValueError(f"the server has no scene {scene}; its scenes are: {', '.join(self.scenes)}")
         state = pathlib.Path(self.token_file).parent
-        token = state / "admin.token"
+        token = state / (f"{role}.token" if scene == "*" else f"{role}-{self.scenes.index(scene)}.token")
         if not token.exists():
-            subprocess.run([program("feltwire-server"), "token", "add", "--state", str(state), "--client", "python", "--scene", "*", "--role",
-                            "admin", "--expires", "never", "--out", str(token)], check=True)
-        return admin(self.address, fingerprint_file=self.fingerprint_file, token_file=str(token))
+            done = subprocess.run([program("feltwire-server"), "token", "add", "--state", str(state), "--client", "python", "--scene", scene,
+                                   "--role", role, "--expires", "never", "--out", str(token)], capture_output=True, text=True, check=False)
+            if done.returncode != 0:
+                raise Error(f"no token of the role {role}: {done.stderr.strip()}")
+        return str(token)
 
     def _require_open(self) -> None:
         if not self._finalizer.alive:

@@ -2,12 +2,12 @@
 from __future__ import annotations
 
 import ctypes
-import time as clock
 from typing import Any, Callable, Iterable, Iterator, NamedTuple, Optional, Sequence, Tuple
 
 from . import abi
 from .hand import Hand, _raise, set_hand
 from .library import BLOCKING, QUICK
+from .pacing import paced
 from .values import is_vector, set_number, set_vector
 
 Vector = Sequence[float]
@@ -132,17 +132,10 @@ class World(Hand):
     def paced(self, rate: float, duration: Optional[float] = None) -> Iterator[float]:
         """Yields the time [s] since the call, `rate` times a second from the first tick on, until the run has ended or for `duration` [s].
         Work that takes longer than a period delays the next one; none is made up for."""
-        if not rate > 0.0:
-            raise ValueError(f"rate must be above 0 Hz, is {rate!r}; 60 to 1000 is usual")
         while self.latest() is None:
             if self.wait(0.001):
                 return
-        begin = due = clock.monotonic()
-        while duration is None or due - begin < duration:
-            yield due - begin
-            due = max(due + 1.0 / rate, clock.monotonic())
-            if self.wait(max(0.0, due - clock.monotonic())):
-                return
+        yield from paced(rate, duration, self.wait)
 
     def run(self, physics: Callable[[Tuple[float, ...], float], Iterable[Patch]], *, reach: float, rate: float = 100.0,
             duration: Optional[float] = None) -> None:
