@@ -82,7 +82,7 @@ FollowerReading CallerRobot::read(Nanoseconds now) noexcept {
 }
 
 FollowerTarget CallerRobot::write(const FollowerTarget& target) noexcept {
-  const FollowerTarget held = robot_.write(target, held_.load());
+  FollowerTarget held = robot_.write(target, held_.load());
   gripper_ = held.gripper;
   return held;
 }

@@ -127,7 +127,7 @@ bool SocketFollower::take(const follower_lines::Lines::Line& line, Nanoseconds n
 }
 
 FollowerTarget SocketFollower::write(const FollowerTarget& target) noexcept {
-  const FollowerTarget held = robot_.write(target, hold_.load());
+  FollowerTarget held = robot_.write(target, hold_.load());
   if (!robot_.has_reported() || hold_.load()) return held;
   std::array<char, follower_lines::kLongestLine> line{};
   send(line.data(), follower_lines::write_target(++sent_, held, line));
