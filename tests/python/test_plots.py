@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """feltwire.plot(): the axis of the largest force, the curves and their units."""
 import math
+import os
 import pathlib
+import shutil
 import tempfile
 import types
 import unittest
@@ -34,9 +36,24 @@ class Axis(unittest.TestCase):
                                        ([[-4, 0, 1]], [[0, 0, 1]], 0), ([[0, 0, 0]], None, 2), ([], [], 2), ([[2, 2, 2]], None, 2)):
             self.assertEqual(largest_axis(given, commanded), axis, (given, commanded))
 
-    def test_without_matplotlib_the_error_says_what_to_install(self):
-        said = run_python(WITHOUT_NUMPY + "import feltwire\ntry:\n    feltwire.plot([], 'x.png')\nexcept feltwire.Error as e:\n    print(e)")
-        self.assertIn("install python3-matplotlib", said)
+    def test_without_matplotlib_and_gnuplot_the_error_says_what_to_install(self):
+        for path, search in (("None", os.environ["PATH"]), ("'x.png'", "/none")):
+            code = f"import feltwire\ntry:\n    feltwire.plot([], {path})\nexcept feltwire.Error as e:\n    print(e)"
+            self.assertIn("install python3-matplotlib", run_python(WITHOUT_NUMPY + code, PATH=search))
+
+    @unittest.skipUnless(shutil.which("gnuplot"), "gnuplot is not installed")
+    def test_gnuplot_draws_without_matplotlib(self):
+        code = WITHOUT_NUMPY + """
+import types
+import feltwire
+tick = types.SimpleNamespace
+ticks = [tick(time=0.001 * i, position=[0, 0, -1e-6 * i], force=[0, 0, 6e-4 * i], balance=1e-6 * i) for i in range(99)]
+print(feltwire.plot(ticks, sys.argv[1]))
+"""
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "a 'tap'.png"
+            self.assertEqual(run_python(code, path).strip(), "None")
+            self.assertEqual(path.read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
 
 
 @unittest.skipUnless(matplotlib and numpy, "matplotlib is not installed")

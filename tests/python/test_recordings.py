@@ -8,13 +8,14 @@ import struct
 import subprocess
 import tempfile
 import unittest
+import unittest.mock
 import warnings
 import zipfile
 import zlib
 
 from support import PATIENT, SOURCE, WITHOUT_NUMPY, eventually, run_python
 import feltwire
-from feltwire import protobuf, zstd
+from feltwire import mcap, protobuf, zstd
 from feltwire.library import program
 
 
@@ -195,6 +196,21 @@ print(type(table["time"]).__name__, *[one.hex() for row in table["held"] for one
         self.assertEqual(numbers, [float(one).hex() for row in held for one in row])
 
 
+class Counted(bytes):
+    """Bytes that count how many of them are copied."""
+    bytes = 0
+
+    @classmethod
+    def note(cls, data):
+        cls.bytes += len(data)
+
+    def __getitem__(self, place):
+        found = super().__getitem__(place)
+        if isinstance(place, slice):
+            Counted.bytes += len(found)
+        return found
+
+
 def text(number, value):
     """A field of Protobuf with bytes in it."""
     size = bytes([len(value)]) if len(value) < 128 else bytes([len(value) & 127 | 128, len(value) >> 7])
@@ -233,6 +249,74 @@ class Decoding(unittest.TestCase):
             with self.assertRaisesRegex(feltwire.FileError, "the schema of /a cannot be read"):
                 feltwire.read(path)
             self.assertEqual(list(feltwire.read(path, topics=["/b"])), ["/b"])
+
+    def test_the_search_in_a_hostile_file_is_linear(self):
+        """Twice the size is at most some more than twice the bytes that are copied or checked, whatever lies within what."""
+        def attachments_in_attachments(count):
+            data = bytes(3)
+            for _ in range(count):  # each is filled by its fields, has a wrong CRC, and no record follows it
+                data = record(9, bytes(16) + blob(b"") + blob(b"") + struct.pack("<Q", len(data)) + data + b"bad!") + b"\xff"
+            return data
+
+        def chunks_without_crc(count):
+            return b"".join(b"\x06" + struct.pack("<Q", 40 * (count - i)) + bytes(31) for i in range(count))
+
+        def lengths_to_the_end(count):
+            return b"".join(b"\x09" + struct.pack("<Q", 9 * (count - i - 1)) for i in range(count))
+
+        def impossible_records(count):
+            return count * (record(8, b"") + b"\xff")
+
+        magic = b"\x89MCAP0\r\n"
+        for make in (attachments_in_attachments, chunks_without_crc, lengths_to_the_end, impossible_records):
+            spent = []
+            for count in (400, 800, 1600):
+                file = mcap.File(Counted(magic + make(count)))
+                with unittest.mock.patch.object(zlib, "crc32", lambda data, *more, crc32=zlib.crc32: Counted.note(data) or crc32(data, *more)):
+                    Counted.bytes = 0
+                    self.assertEqual(list(file.messages()), [])
+                self.assertTrue(file.missing)
+                spent.append(Counted.bytes / len(file.data))
+            self.assertLess(max(spent), 24.0, make.__name__)  # the head of each record is looked at more than once
+
+    def test_missing_parts_of_many_chunks_are_found_in_few_steps(self):
+        class Times(dict):
+            looked = 0
+
+            def __getitem__(self, place):
+                Times.looked += 1
+                return super().__getitem__(place)
+
+            def __iter__(self):
+                Times.looked += len(self)
+                return super().__iter__()
+
+        file = mcap.File(bytes(100_000))
+        file._times = Times((place, (place, place + 1)) for place in range(0, 100_000, 50))
+        file._places = sorted(file._times)
+        Times.looked = 0
+        for begin in range(0, 100_000, 100):
+            file._miss(begin, begin + 100, "damaged", False)
+        file._judge_end(100_000, True, set())
+        self.assertEqual(file.missing[1].times, (100, 151))
+        self.assertEqual(len(file.missing), 1001)  # and the summary
+        self.assertLess(Times.looked, 3000)
+
+    def test_what_chunks_decompress_to_is_limited(self):
+        inside = record(4, struct.pack("<HH", 2, 0) + blob(b"/b") + blob(b"json") + blob(b""))
+        inside += record(5, struct.pack("<HIQQ", 2, 0, 5, 0) + b"{}" + 1000 * b" ")
+        chunk = record(6, struct.pack("<QQQI", 0, 0, len(inside), 0) + blob(b"") + struct.pack("<Q", len(inside)) + inside)
+        magic = b"\x89MCAP0\r\n"
+        data = magic + record(1, blob(b"") + blob(b"")) + 3 * chunk + record(15, bytes(4)) + record(2, bytes(20)) + magic
+        with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+            warnings.simplefilter("error", feltwire.DamageWarning)
+            path = pathlib.Path(folder) / "large.mcap"
+            path.write_bytes(data)
+            for enough in (None, 3 * len(inside)):
+                self.assertEqual(len(feltwire.read(path, max_bytes=enough)["/b"]), 3)
+            for paths, limit in (([path], 3 * len(inside) - 1), ([path, path], 5 * len(inside))):
+                with self.assertRaisesRegex(feltwire.FileError, rf"large.mcap: its chunks decompress to more than {limit} bytes; allow more with"):
+                    feltwire.read(*paths, max_bytes=limit)
 
     def test_what_is_no_zstd_frame_is_refused(self):
         with self.assertRaises(ValueError):

@@ -2,9 +2,13 @@
 
 A record is whole if its lengths fit, its CRC is right and its content can be read. After a damaged one the search goes on behind it; if
 its length is damaged too, at the next record that cannot be in a chunk. feltwire-lab export --skip-damaged finds the same.
+
+The work is in proportion to the size of the file, whatever is in it: nothing is copied to look for a record, and the bytes of damaged records
+that are read again, because the search goes on within them, are counted.
 """
 from __future__ import annotations
 
+import bisect
 import mmap
 import re
 import struct
@@ -21,12 +25,17 @@ _HEAD = struct.Struct("<BQ")  # opcode and length
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time and publish time [ns]
 _LONGEST_RECORD = 256 << 20  # [bytes]
 _LONGEST_CHUNK = 64 << 20  # [bytes] decompressed
+_MOST_SEARCHED = 4  # bytes of damaged records that are read, in sizes of the file; a file that was only damaged needs 1
 _FOOTER_SIZE = _HEAD.size + 20  # [bytes]
 _DATA_END_SIZE = _HEAD.size + 4  # [bytes]
 # After damage the search stops only at these records: a chunk has none of them. The upper byte of every possible length is zero.
 _OUTSIDE_OF_CHUNKS = re.compile(rb"[\x06\x07\x09\x0c\x0f](?=.{7}\x00|.{0,7}\Z)", re.DOTALL)
 
 Bytes = Union[bytes, mmap.mmap]
+
+
+class TooLarge(Exception):
+    """The chunks would decompress to more bytes than are allowed."""
 
 
 @dataclass
@@ -40,24 +49,28 @@ class File:
     missing: List[Missing] = field(default_factory=list)
     found: int = 0  # number of whole messages
     counted: Optional[int] = None  # number of messages by the file's statistics, if they are readable
+    allowed: Optional[int] = None  # [bytes] to which all chunks may decompress; None: any number
     _times: Dict[int, Tuple[int, int]] = field(default_factory=dict)  # [ns] of the chunks of the summary, by their place
+    _places: List[int] = field(default_factory=list)  # of these chunks, in order
     _summary: Optional[int] = None  # [bytes] where it begins
+    _searched: int = 0  # [bytes] of damaged records that were read
 
     def messages(self) -> Iterator[List[Message]]:
-        """The messages of each whole chunk, in the file's order."""
+        """The messages of each whole chunk, in the file's order. Raises TooLarge."""
         self._read_summary()
+        self._places = sorted(self._times)
         size, at, ended = len(self.data), len(MAGIC), False
         whole: Set[int] = set()
         data_end = size if self._summary is None else self._summary
         if self.data[:at] != MAGIC:
-            self._miss(0, min(at, size), "the first bytes are none of an MCAP file", b"")
+            self._miss(0, min(at, size), "the first bytes are none of an MCAP file", False)
         while at < data_end:
             head = self._head(at)
             if head is None or not self._possible(at, *head):
                 following = min(self._next_after(at + 1), data_end)
                 to_the_end = following == size and self._summary is None
                 self._miss(at, following, "the file ends within a record, or is damaged to its end" if to_the_end
-                           else "no record begins here", b"")
+                           else "no record begins here", False)
                 at = following
                 continue
             opcode, end = head
@@ -65,20 +78,24 @@ class File:
                 self._check_crc(at)
                 at, ended = end, True
                 break
-            content = self.data[at + _HEAD.size:end]
+            wrong, trusted, messages = "", True, []
             try:
-                check_filled(opcode, content)
+                check_filled(opcode, memoryview(self.data)[at + _HEAD.size:end])
             except Damage:
-                content, wrong = b"", "the length of a record is damaged"
+                wrong, trusted = "the length of a record is damaged", False
             else:
-                wrong, messages = "", []
                 try:
                     if self._summary is None or opcode not in (SCHEMA, CHANNEL):  # else those of the summary count
-                        messages = self._take(opcode, content)
+                        messages = self._take(opcode, self.data[at + _HEAD.size:end])
                 except Damage as error:
                     wrong = str(error)
+                    self._searched += end - at
+            if wrong and self._searched > _MOST_SEARCHED * size:
+                self._miss(at, data_end, "records lie within damaged records too often: the search ends here", False)
+                at = data_end
+                continue
             if wrong:
-                at = self._lost(at, opcode, content, wrong)
+                at = self._lost(at, opcode, end if trusted and end > at + _HEAD.size else None, wrong)
                 continue
             if opcode == CHUNK:
                 whole.add(at)
@@ -91,14 +108,17 @@ class File:
     def _judge_end(self, at: int, ended: bool, whole: Set[int]) -> None:
         size = len(self.data)
         if self._summary is None and not ended and (not self.missing or self.missing[-1].end < size):
-            self._miss(size, size, "the file ends before its footer: its last seconds may be missing", b"")
+            self._miss(size, size, "the file ends before its footer: its last seconds may be missing", False)
         if self._summary is not None and not ended and not self.missing:
-            self._miss(at, at, "the record that ends the data is damaged, but every chunk is whole", b"")
+            self._miss(at, at, "the record that ends the data is damaged, but every chunk is whole", False)
         if self._summary is None and ended and not self._ends_without_summary(at):
-            self._miss(at, size, "the summary is damaged; no message is in it", b"")
-        for place in sorted(self._times):
-            if place not in whole and not any(m.begin <= place < m.end for m in self.missing):
-                self._miss(place, place, "a chunk of the summary is not there", b"")
+            self._miss(at, size, "the summary is damaged; no message is in it", False)
+        ends = [part.end for part in self.missing]  # the parts are in the file's order, and do not overlap
+        parts = list(self.missing)
+        for place in self._places:
+            part = bisect.bisect_right(ends, place)
+            if place not in whole and not (part < len(parts) and parts[part].begin <= place):
+                self._miss(place, place, "a chunk of the summary is not there", False)
 
     def _ends_without_summary(self, at: int) -> bool:
         """Whether the footer of a file that never had a summary is here."""
@@ -152,30 +172,30 @@ class File:
 
     def _next_after(self, at: int) -> int:
         """The place of the next record that cannot be in a chunk."""
-        size = len(self.data)
-        while at < size:
-            here = self.data[at:at + (1 << 20) + 9]
-            for place in _OUTSIDE_OF_CHUNKS.finditer(here):
-                if place.start() < 1 << 20 and self._is_record(at + place.start()):
-                    return at + place.start()
-            at += 1 << 20
-        return size
+        for place in _OUTSIDE_OF_CHUNKS.finditer(self.data, at):
+            if self._is_record(place.start()):
+                return place.start()
+        return len(self.data)
 
-    def _lost(self, at: int, opcode: int, content: bytes, what: str) -> int:
-        """Notes a damaged record. Returns where to go on: behind it if its length is right."""
+    def _lost(self, at: int, opcode: int, behind: Optional[int], what: str) -> int:
+        """Notes a damaged record. behind: its end, or None if its length is wrong. Returns where to go on: behind it if another one is there."""
         end = len(self.data) if self._summary is None else self._summary
-        behind = at + _HEAD.size + len(content)
-        following = behind if content and (behind == end or self._is_record(behind)) else min(self._next_after(at + 1), end)
-        self._miss(at, following, what, content if opcode == CHUNK else b"")
+        goes_on = behind is not None and (behind == end or self._is_record(behind))
+        following = behind if behind is not None and goes_on else min(self._next_after(at + 1), end)
+        self._miss(at, following, what, opcode == CHUNK and behind is not None)
         return following
 
-    def _miss(self, begin: int, end: int, what: str, chunk: bytes) -> None:
-        times = [self._times[place] for place in self._times if place == begin or begin <= place < end]
-        if begin not in self._times and len(chunk) >= 16:
-            first, last = struct.unpack("<QQ", chunk[:16])
-            if first <= last:
-                times.append((first, last))
-        span = (min(first for first, _ in times), max(last for _, last in times)) if times else None
+    def _miss(self, begin: int, end: int, what: str, is_chunk: bool) -> None:
+        """Notes a missing part. is_chunk: the times of a chunk are at its begin."""
+        first = bisect.bisect_left(self._places, begin)
+        behind = max(bisect.bisect_left(self._places, end), bisect.bisect_right(self._places, begin))
+        times = [self._times[place] for place in self._places[first:behind]]
+        content = begin + _HEAD.size
+        if is_chunk and begin not in self._times and content + 16 <= len(self.data):
+            first_time, last_time = struct.unpack("<QQ", self.data[content:content + 16])
+            if first_time <= last_time:
+                times.append((first_time, last_time))
+        span = (min(early for early, _ in times), max(late for _, late in times)) if times else None
         self.missing.append(Missing(begin, end, what, span))
 
     def _check_crc(self, data_end: int) -> None:
@@ -187,7 +207,7 @@ class File:
         for at in range(0, data_end, 1 << 20):
             crc = zlib.crc32(self.data[at:min(at + (1 << 20), data_end)], crc)
         if crc != said:
-            self._miss(data_end, data_end + _DATA_END_SIZE, "the CRC of the data is wrong, but every chunk is whole", b"")
+            self._miss(data_end, data_end + _DATA_END_SIZE, "the CRC of the data is wrong, but every chunk is whole", False)
 
     def _read_summary(self) -> None:
         """The definitions, the times of the chunks and the statistics, if the summary is whole."""
@@ -270,6 +290,10 @@ class File:
         records = fields.take(fields.number(8))
         if size > _LONGEST_CHUNK:
             raise Damage(f"a chunk says that it has {size} bytes, and at most {_LONGEST_CHUNK} are read")
+        if self.allowed is not None:
+            self.allowed -= size
+            if self.allowed < 0:
+                raise TooLarge
         if compression == "zstd":
             try:
                 records = zstd.decompress(records, size)

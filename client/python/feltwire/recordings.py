@@ -55,20 +55,22 @@ class Recording:
         return "\n".join(repr(table) for table in self.topics.values()) or "<an empty recording>"
 
 
-def read(*paths: Path, topics: Optional[Collection[str]] = None) -> Recording:
+def read(*paths: Path, topics: Optional[Collection[str]] = None, max_bytes: Optional[int] = 4 << 30) -> Recording:
     """Reads a recording: the MCAP files of one recording in their order, or a CSV file (docs/recording.md).
 
-    topics: only these; without it all. Raises ValueError with the topics that there are if one of them is not in the recording. Units are SI, values are in the world frame, quaternions are w, x, y, z. Columns are NumPy arrays;
+    topics: only these; without it all. Raises ValueError with the topics that there are if one of them is not in the recording. max_bytes:
+    to which the chunks of all files may decompress, None for any number: a small file can ask for a lot of memory. Units are SI, values are
+    in the world frame, quaternions are w, x, y, z. Columns are NumPy arrays;
     without NumPy arrays and lists of the standard library. An optional number that a message does not have is not a number.
 
     A damaged or cut file gives what is whole in it, and a DamageWarning; Recording.missing lists the rest. Raises FileError for a file
-    with nothing whole in it, or of another kind, and OSError where it cannot be opened.
+    with nothing whole in it, of another kind, or larger than max_bytes, and OSError where it cannot be opened.
     """
     if not paths:
         raise ValueError("read() takes at least one path")
     if len(paths) == 1 and not _is_mcap(paths[0]):
         return _read_csv(pathlib.Path(paths[0]))
-    reader = _Reader(topics)
+    reader = _Reader(topics, max_bytes)
     for path in paths:
         reader.add(pathlib.Path(path))
     return reader.recording()
@@ -116,9 +118,10 @@ class _Topic:
 class _Reader:
     """Reads the files of a recording one after the other."""
 
-    def __init__(self, wanted: Optional[Collection[str]]):
-        self._wanted = wanted
+    def __init__(self, wanted: Optional[Collection[str]], max_bytes: Optional[int]):
         self._seen: Set[str] = set()
+        self._wanted, self._max_bytes = wanted, max_bytes
+        self._allowed = max_bytes  # [bytes] for the files to come
         self._topics: Dict[str, _Topic] = {}
         self._metadata: List[Tuple[str, Dict[str, str]]] = []
         self._attachments: Dict[str, bytes] = {}
@@ -131,8 +134,13 @@ class _Reader:
             if size == 0:
                 raise FileError(f"{path}: byte 0: the file is empty; give one that --record wrote")
             with mmap.mmap(opened.fileno(), 0, access=mmap.ACCESS_READ) as data:
-                file = mcap.File(data)
-                self._add_messages(path, file)
+                file = mcap.File(data, allowed=self._allowed)
+                try:
+                    self._add_messages(path, file)
+                except mcap.TooLarge:
+                    raise FileError(f"{path}: its chunks decompress to more than {self._max_bytes} bytes; allow more with read(..., max_bytes=N), "
+                                    "or leave topics out of the recording") from None
+                self._allowed = file.allowed
                 if file.found == 0 and file.missing and not data[:len(MAGIC)] == MAGIC[:size]:
                     raise FileError(f"{path}: byte 0: this is no MCAP file; give one that --record wrote")
                 if file.found == 0 and file.missing and file.missing[0].end > file.missing[0].begin:
