@@ -75,7 +75,7 @@ namespace Feltwire
         }
 
         /// <summary>A tick of the servo.</summary>
-        [StructLayout(LayoutKind.Explicit, Size = 168)]
+        [StructLayout(LayoutKind.Explicit, Size = 192)]
         public struct Tick
         {
             [FieldOffset(0)] public uint struct_size;  // [bytes] of this struct, as the program knows it
@@ -100,7 +100,10 @@ namespace Feltwire
             [FieldOffset(144)] public double account_cut;  // share of the command that the account took off, 0 to 1
             [FieldOffset(152)] public uint zero_force_reason;  // why the force is zero: fw_zero_force_text(); 0: it is not zero, or nothing is touched
             [FieldOffset(156)] public uint connected;  // 1: the session is alive; 0: it is lost, and the hand looks for it
-            [FieldOffset(160)] public uint lead_state;  // of a hand that leads a robot: fw_lead_state_text(); 0: it leads none, or the robot is missing
+            [FieldOffset(160)] public double scene_force_0;  // [N] of the newest command of the scene, on the hand: before the bound, the account and the limits
+            [FieldOffset(168)] public double scene_force_1;  // [N] of the newest command of the scene, on the hand: before the bound, the account and the limits
+            [FieldOffset(176)] public double scene_force_2;  // [N] of the newest command of the scene, on the hand: before the bound, the account and the limits
+            [FieldOffset(184)] public uint lead_state;  // of a hand that leads a robot: fw_lead_state_text(); 0: it leads none, or the robot is missing
         }
 
         /// <summary>How a hand meets the physics of the program. A null text is not given.</summary>

@@ -82,6 +82,7 @@ STRUCTS = [
         ("f64", "account_cut", "share of the command that the account took off, 0 to 1"),
         ("u32", "zero_force_reason", "why the force is zero: fw_zero_force_text(); 0: it is not zero, or nothing is touched"),
         ("u32", "connected", "1: the session is alive; 0: it is lost, and the hand looks for it"),
+        ("f64[3]", "scene_force", "[N] of the newest command of the scene, on the hand: before the bound, the account and the limits"),
         ("u32", "lead_state", "of a hand that leads a robot: fw_lead_state_text(); 0: it leads none, or the robot is missing"),
     ]),
     ("world_options", "How a hand meets the physics of the program. A null text is not given.", [

@@ -97,6 +97,7 @@ typedef struct fw_tick {
   double account_cut; /* share of the command that the account took off, 0 to 1 */
   uint32_t zero_force_reason; /* why the force is zero: fw_zero_force_text(); 0: it is not zero, or nothing is touched */
   uint32_t connected; /* 1: the session is alive; 0: it is lost, and the hand looks for it */
+  double scene_force[3]; /* [N] of the newest command of the scene, on the hand: before the bound, the account and the limits */
   uint32_t lead_state; /* of a hand that leads a robot: fw_lead_state_text(); 0: it leads none, or the robot is missing */
 } fw_tick;
 

@@ -119,6 +119,7 @@ void OpenHand::ticked(const TickRecord& tick, bool connected) noexcept {
   out.zero_force_reason = static_cast<std::uint32_t>(tick.no_force);
   out.connected = connected ? 1 : 0;
   out.lead_state = static_cast<std::uint32_t>(tick.robot);
+  put(tick.elastic + tick.frictional, out.scene_force);
   recorder_->add(tick);
   latest_.put(copy);
   ticks_.push(out);

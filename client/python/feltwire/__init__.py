@@ -18,7 +18,7 @@ import importlib
 from typing import TYPE_CHECKING, Any, List
 
 if TYPE_CHECKING:
-    from . import aio, lab
+    from . import aio, gym, isaac, lab, lerobot
     from .admins import Admin, admin
     from .errors import Error, FileError, Refused, SceneError, ServerError
     from .follower import Follower, follow
@@ -48,7 +48,8 @@ _PLACES = {
 }
 
 __all__ = ["Admin", "DamageWarning", "Error", "FileError", "Follower", "Hand", "Observer", "Patch", "Recorder", "Recording", "Refused",
-           "Scene", "SceneError", "Server", "ServerError", "Table", "World", "admin", "aio", "follow", "join", "lab", "observe", "play", "plot", "read", "serve"]
+           "Scene", "SceneError", "Server", "ServerError", "Table", "World", "admin", "aio", "follow", "gym", "isaac", "join", "lab",
+           "lerobot", "observe", "play", "plot", "read", "serve"]
 
 
 def __getattr__(name: str) -> Any:
@@ -58,7 +59,7 @@ def __getattr__(name: str) -> Any:
         from .library import BLOCKING
         number = BLOCKING.fw_version()
         return f"{number >> 16}.{number >> 8 & 255}.{number & 255}"
-    if name in ("aio", "lab"):
+    if name in ("aio", "gym", "isaac", "lab", "lerobot"):
         return importlib.import_module(f"{__name__}.{name}")
     raise AttributeError(f"feltwire has no {name}")
 

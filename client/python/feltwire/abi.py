@@ -78,6 +78,7 @@ class Tick(Struct):
         ("account_cut", ctypes.c_double),  # share of the command that the account took off, 0 to 1
         ("zero_force_reason", ctypes.c_uint32),  # why the force is zero: fw_zero_force_text(); 0: it is not zero, or nothing is touched
         ("connected", ctypes.c_uint32),  # 1: the session is alive; 0: it is lost, and the hand looks for it
+        ("scene_force", ctypes.c_double * 3),  # [N] of the newest command of the scene, on the hand: before the bound, the account and the limits
         ("lead_state", ctypes.c_uint32),  # of a hand that leads a robot: fw_lead_state_text(); 0: it leads none, or the robot is missing
     ]
 
@@ -332,10 +333,10 @@ SESSION_DTYPE = {
 
 # numpy.dtype() takes it.
 TICK_DTYPE = {
-    "names": ["struct_size", "reserved", "number", "time", "position", "orientation", "force", "torque", "reply_age", "balance", "account_cut", "zero_force_reason", "connected", "lead_state"],
-    "formats": ["u4", "u4", "u8", "f8", ("f8", (3,)), ("f8", (4,)), ("f8", (3,)), ("f8", (3,)), "f8", "f8", "f8", "u4", "u4", "u4"],
-    "offsets": [0, 4, 8, 16, 24, 48, 80, 104, 128, 136, 144, 152, 156, 160],
-    "itemsize": 168,
+    "names": ["struct_size", "reserved", "number", "time", "position", "orientation", "force", "torque", "reply_age", "balance", "account_cut", "zero_force_reason", "connected", "scene_force", "lead_state"],
+    "formats": ["u4", "u4", "u8", "f8", ("f8", (3,)), ("f8", (4,)), ("f8", (3,)), ("f8", (3,)), "f8", "f8", "f8", "u4", "u4", ("f8", (3,)), "u4"],
+    "offsets": [0, 4, 8, 16, 24, 48, 80, 104, 128, 136, 144, 152, 156, 160, 184],
+    "itemsize": 192,
 }
 
 

@@ -158,7 +158,7 @@ class Hand:
 
     def latest(self) -> Optional[abi.Tick]:
         """The newest tick, or None before the first: time [s], position [m], orientation, force [N], torque [N m], reply_age [s],
-        balance [J], account_cut, zero_force_reason, connected. The next call overwrites it."""
+        balance [J], account_cut, zero_force_reason, connected, scene_force [N] before the bound. The next call overwrites it."""
         return self._tick if self._latest() == abi.OK else self._newest(self._tick)
 
     def _newest(self, tick: abi.Tick) -> Optional[abi.Tick]:
