@@ -8,11 +8,7 @@
 
 #include "client/hands/plant_file.hpp"
 #include "core/base/visible_text.hpp"
-#include "core/device/device_file.hpp"
-#include "core/scene_file/load_scene.hpp"
-#include "sim/studies/bound/compare.hpp"
 #include "sim/studies/bound/contact_frame_options.hpp"
-#include "sim/studies/bound/extremes.hpp"
 #include "sim/studies/bound/figures.hpp"
 #include "sim/studies/bound/frontier.hpp"
 #include "sim/studies/bound/rate.hpp"
@@ -20,7 +16,6 @@
 #include "sim/studies/bound/zwidth.hpp"
 #include "sim/studies/network/deadband_study.hpp"
 #include "sim/studies/network/local_model_study.hpp"
-#include "sim/studies/network/methods_over_link.hpp"
 #include "sim/studies/network/where_to_bound.hpp"
 #include "sim/studies/teleop/arm_bench.hpp"
 #include "sim/studies/teleop/teleop.hpp"
@@ -141,110 +136,6 @@ void add_frontier(CLI::App& app) {
     std::cout << frontier_table(rows) << sessions_table(rows) << published_table(rows)
               << learning_table(run_frontier(learning_cases()))
               << placed("Table and pictures", o->out);
-  });
-}
-
-void add_compare(CLI::App& app) {
-  struct Options {
-    std::string out = "compare";
-    CompareLoop loop;
-    double delay_ms = 0.0;
-    std::string scene, link, device = "simulated", plant, path = "press";
-    double press = 3.0, duration = 4.0;
-  };
-  auto o = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
-      "compare",
-      "Compare all methods on walls, edges, bumps, friction and a tap, or in your own scene");
-  command->footer(
-      "Without --scene: writes compare.json, compare.csv, compare.png, compare_hands.csv (eight\n"
-      "hands), and the times on this machine to compare_cost.csv. All results but the cost are\n"
-      "deterministic. docs/lab/laboratory.md explains them.\n"
-      "With --scene: runs whole sessions over the link in virtual time. Writes\n"
-      "methods_over_link.csv and .json, which are deterministic. Example:\n"
-      "  feltwire-lab compare --scene scenes/bunny.json --link delay=15,loss=2 --device simulated");
-  add_out(*command, o->out);
-  CLI::Option* scene = command->add_option("--scene", o->scene, "Scene file that the hand touches");
-  command->add_option("--link", o->link, "Emulated network between hand and scene (docs/link.md)")
-      ->needs(scene);
-  command
-      ->add_option("--device", o->device,
-                   "Specification of the device: a built-in name or FILE.json (docs/devices.md)")
-      ->needs(scene)
-      ->capture_default_str();
-  command
-      ->add_option("--plant", o->plant,
-                   "FILE.json with the motor lag, the transmission and more (docs/devices.md). The "
-                   "methods do not get these values")
-      ->needs(scene);
-  command
-      ->add_option("--path", o->path, "Movement of the hand: press|slide|orbit|figure-eight|taps")
-      ->needs(scene)
-      ->capture_default_str();
-  command->add_option("--press", o->press, "[N] Force by which the hand presses")
-      ->needs(scene)
-      ->check(CLI::Range(0.01, 100.0))
-      ->capture_default_str();
-  command->add_option("--duration", o->duration, "[s] Length of each session")
-      ->needs(scene)
-      ->capture_default_str();
-  command->add_option("--damping", o->loop.damping, "[N s/m] Damping b of the device")
-      ->capture_default_str()
-      ->excludes(scene);
-  command->add_option("--rate", o->loop.rate, "[Hz] Servo rate")->capture_default_str();
-  command->add_option("--delay", o->delay_ms, "[ms] Round-trip delay, rounded up to whole samples")
-      ->capture_default_str()
-      ->excludes(scene);
-  command->callback([o] {
-    if (o->scene.empty()) {
-      o->loop.delay = o->delay_ms * 1e-3;
-      const Comparison result = write_compare(o->out, o->loop);
-      std::cout << compare_table(result.rows) << compare_hands_table(result.hands)
-                << placed("Tables and picture", o->out);
-      return;
-    }
-    const Scene felt = load_scene(o->scene);
-    OverLinkTask task{.hand = press_at_start(felt, o->press),
-                      .link = parse_link(o->link),
-                      .device = device_spec(o->device),
-                      .plant = o->plant.empty() ? Plant{} : load_plant(o->plant),
-                      .rate = o->loop.rate,
-                      .duration = o->duration};
-    task.hand.path = hand_path(o->path);
-    const auto rows = run_over_link(felt, task);
-    write_over_link(o->out, rows);
-    std::cout << over_link_table(rows) << placed("Tables", o->out);
-  });
-}
-
-void add_extremes(CLI::App& app, int& status) {
-  struct Options {
-    std::string out = "extremes";
-    double assumed_damping = 1.0;
-    int hands = 10;
-  };
-  auto o = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
-      "extremes", "Run all methods at the limits of the number range, in double and float");
-  command->footer(
-      "Writes extremes.csv, extremes.json and extremes.png. The results are deterministic. Exit\n"
-      "status 1: a row rendered NaN, Inf or more than the limit, or violated the energy guarantee\n"
-      "of its method. docs/lab/precision.md explains them.");
-  add_out(*command, o->out);
-  command
-      ->add_option("--assumed-damping", o->assumed_damping,
-                   "Damping that the bounds assume, divided by the real damping. Above 1, for "
-                   "example 1.05, the rows must fail")
-      ->capture_default_str();
-  command
-      ->add_option("--hands", o->hands,
-                   "Number of hands for each stress case. Five kinds of hands take turns")
-      ->capture_default_str();
-  command->callback([o, &status] {
-    const auto rows = run_extremes(o->assumed_damping, o->hands);
-    write_extremes(o->out, rows);
-    std::cout << extremes_table(rows) << placed("Table and picture", o->out);
-    status = all_passed(rows) ? 0 : 1;
   });
 }
 

@@ -10,6 +10,8 @@ namespace feltwire {
 /// results.
 void add_torque(CLI::App& app, int& status);
 void add_convex_parts(CLI::App& app);
+void add_compare(CLI::App& app);
+void add_extremes(CLI::App& app, int& status);
 void add_trade(CLI::App& app);
 void add_studies(CLI::App& app, int& status);
 

@@ -23,19 +23,18 @@ void passivity_control(Config& config) {
 }
 
 constexpr std::array kMethods = {
-    Method{"none", [](Config& c) { c.mode = "none"; }},
-    Method{"total_energy", [](Config& c) { c.mode = "total_energy"; }},
-    Method{"per_axis", [](Config& c) { c.mode = "per_axis"; }},
-    Method{"per_axis_projected", [](Config& c) { c.mode = "per_axis_projected"; }},
+    Method{"none"},
+    Method{"total_energy"},
+    Method{"per_axis"},
+    Method{"per_axis_projected"},
     Method{"contact_frame", contact_frame<Storage::minimal>},
     Method{"contact_frame_elastic", contact_frame<Storage::elastic>},
-    Method{"virtual_coupling", [](Config& c) { c.mode = "virtual_coupling"; }},
+    Method{"virtual_coupling"},
     Method{"passivity_control", passivity_control<PassivityReference::zero>},
     Method{"passivity_control_following", passivity_control<PassivityReference::following>},
-    Method{"passivity_control_parallel", [](Config& c) { c.mode = "passivity_control_parallel"; }},
-    Method{"passivity_control_directional",
-           [](Config& c) { c.mode = "passivity_control_directional"; }},
-    Method{"energy_tank", [](Config& c) { c.mode = "energy_tank"; }},
+    Method{"passivity_control_parallel"},
+    Method{"passivity_control_directional"},
+    Method{"energy_tank"},
 };
 
 }  // namespace

@@ -9,9 +9,18 @@
 namespace feltwire {
 
 struct Method {
-  std::string_view label;              // one word, for tables, files and pictures
-  void (*configure)(BoundingConfig&);  // sets the mode and its options; period, damping and limits
-                                       // are the experiment's
+  std::string_view label;  // one word, for tables, files and pictures
+  /// Sets the mode and its options; period, damping and limits are the experiment's. Null: the mode
+  /// is the label, without options.
+  void (*configure)(BoundingConfig&) = nullptr;
+
+  /// Sets the mode and its options. The label must outlive the configuration.
+  void apply(BoundingConfig& config) const {
+    if (configure != nullptr)
+      configure(config);
+    else
+      config.mode = label;
+  }
 };
 
 /// Every method, in the order of the tables.

@@ -84,6 +84,8 @@ def main():
                               (source / "tests/released/0.1.0/my_plugin.c", ["-Wno-missing-field-initializers"])):
             run("cc", "-std=c99", "-shared", "-fPIC", "-Wall", "-Wextra", "-Wpedantic", "-Werror", *known, f"-I{prefix / 'include'}",
                 plugin, "-o", folder / "my_plugin.so")
+        run("cc", "-std=c99", "-shared", "-fPIC", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{prefix / 'include'}",
+            source / "examples/my_law.c", "-o", folder / "my_law.so", "-lm")
 
         library = next(prefix.rglob("libfeltwire.so")).parent
         run("cc", "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{prefix / 'include'}",

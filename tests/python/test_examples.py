@@ -59,6 +59,13 @@ class Examples(unittest.TestCase):
         self.assertGreater(said["none"], 0.1)
         self.assertLessEqual(said["contact_frame"], 1e-6 + said["none"])
 
+    def test_own_law(self):
+        said = self.run_example("own_law.py")
+        self.assertIn("no stress makes it break its promise", said)
+        self.assertRegex(said, r"tap [^\0]*\n +contact_frame [^\0]*\n +energy_store ")
+        with self.assertRaisesRegex(AssertionError, "FAILED  an ordinary hand, wrong_sign, double"):
+            self.run_example("own_law.py", "--wrong-sign")
+
     def test_worlds(self):
         self.assertRegex(self.run_example("world_platform.py", "2"), "the platform pushed with at most [1-9]")
         self.assertRegex(self.run_example("world_tissue.py", "2"), "the tissue pushed with at most [1-9]")
@@ -69,7 +76,8 @@ class Examples(unittest.TestCase):
 
     def test_they_are_short_and_all_are_run(self):
         names = {path.name for path in FOLDER.glob("*.py")}
-        self.assertEqual(names, {"recording_to_numpy.py", "scene_by_program.py", "two_hands.py", "program_as_device.py", "lab_verb.py", "follower_with_gripper.py",
+        self.assertEqual(names, {"recording_to_numpy.py", "scene_by_program.py", "two_hands.py", "program_as_device.py", "lab_verb.py",
+                                 "own_law.py", "follower_with_gripper.py",
                                  "world_cloth.py", "world_platform.py", "world_tissue.py"})
         for name in names:
             self.assertLess(len((FOLDER / name).read_text().splitlines()), 80, name)

@@ -1,16 +1,21 @@
-"""The verbs of feltwire-lab as functions: feltwire.lab.touch(...), feltwire.lab.run("contact-frame-options", ...)."""
+"""The verbs of feltwire-lab as functions: feltwire.lab.touch(...), feltwire.lab.run("contact-frame-options", ...).
+
+compare() and extremes() also judge bounding laws of the program (docs/own_bounding_law.md)."""
 from __future__ import annotations
 
 import functools
 import json
+import math
 import os
 import pathlib
 import re
 import subprocess
 import tempfile
-from typing import Any, Callable, Dict, List, Optional, Union
+import threading
+from typing import Any, Callable, Dict, List, Optional, Sequence, Union
 
 from .errors import Error, FileError
+from .laws import LawError, LawFailed, LawServer  # noqa: F401
 from .library import program
 from .options import words
 from .scenes import Scene
@@ -82,7 +87,7 @@ def verbs() -> Dict[str, str]:
 
 
 def run(verb: str, *arguments: Union[str, "os.PathLike[str]"], table: Any = None, check: bool = True, timeout: Optional[float] = None,
-        **options: Any) -> Result:
+        _laws: Optional[LawServer] = None, **options: Any) -> Result:
     """Runs a verb of feltwire-lab until it ends, and returns what it said and wrote.
 
     arguments: its words, as files. options: its options with _ for -: damping=0.5, account=True; a list becomes numbers with commas; a Scene
@@ -103,10 +108,116 @@ def run(verb: str, *arguments: Union[str, "os.PathLike[str]"], table: Any = None
             folder = pathlib.Path(options[results])
         command = [program("feltwire-lab"), verb, *[os.fspath(one) for one in arguments], *words(options, repeat=verb == "link")]
         done = subprocess.run(command, input=None if table is None else to_csv(table), stdin=subprocess.DEVNULL if table is None else None,
-                              capture_output=True, text=True, check=False, timeout=timeout)
+                              capture_output=True, text=True, check=False, timeout=timeout) if _laws is None else _with_laws(command, _laws, timeout)
         result = Result(verb, done, folder)
     if check and done.returncode != 0:
         raise Error((done.stderr.strip() or done.stdout.strip()).replace(name + os.sep, "") or f"feltwire-lab {verb} ended with {done.returncode}")
+    return result
+
+
+def _with_laws(command: List[str], laws: LawServer, timeout: Optional[float]) -> "subprocess.CompletedProcess[str]":
+    """Runs a command whose laws this process computes."""
+    with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as said:
+        child = subprocess.Popen([*command, *laws.option], stdin=subprocess.DEVNULL, stdout=out, stderr=said, pass_fds=[laws.child.fileno()])
+        ending = threading.Timer(timeout, child.kill) if timeout is not None else None
+        try:
+            if ending is not None:
+                ending.start()
+            laws.serve()
+            status = child.wait()
+        finally:
+            late = ending is not None and ending.finished.is_set()
+            if ending is not None:
+                ending.cancel()
+            child.kill()
+            child.wait()
+        if late and timeout is not None:
+            raise subprocess.TimeoutExpired(command, timeout)
+        texts = []
+        for file in (out, said):
+            file.seek(0)
+            texts.append(file.read())
+    return subprocess.CompletedProcess(command, status, *texts)
+
+
+class Comparison(Result):
+    """What compare() found, for each task and law a row of the table. Printed, it is the laboratory's table.
+
+    table: a Table with the columns task and law (texts), energy_made [J] that the hand got beyond what the device burned (0 is passive),
+    stiffness_shown over the commanded one, swing [m] RMS, direction_error [rad] and cost [s] a step. The law "reference" is the surface
+    itself: no bound, at 20 kHz. The cost of a law in Python is the laboratory's for asking, without the time in Python.
+    """
+
+    def __init__(self, result: Result):
+        self.__dict__.update(result.__dict__)
+        self.text = self.text.split("\nTables are in ")[0]  # the folder may be gone
+        rows, cost = self.tables["compare"], self.tables["compare_cost"]
+        columns = {"task": rows["task"], "law": rows["method"]}
+        for name, column, unit in (("energy_made", "energy_made_mj", 1e-3), ("stiffness_shown", "displayed", 1.0),
+                                   ("swing", "oscillation_um", 1e-6), ("direction_error", "direction_error_deg", math.pi / 180.0)):
+            columns[name] = _scaled(rows[column], unit)
+        columns["cost"] = _scaled(cost["cost_ns"], 1e-9)
+        self.table = Table("compare", columns, None)
+
+
+def _scaled(column: Any, unit: float) -> Any:
+    return unit * column if hasattr(column, "dtype") else [unit * one for one in column]
+
+
+def compare(*laws: Any, tasks: Optional[Sequence[str]] = None, methods: Optional[Sequence[str]] = None, **options: Any) -> Result:
+    """Compares bounding laws of the program with built-in methods on walls, edges, bumps, friction and a tap. Returns a Comparison.
+
+    laws: each a class, an object or a function (docs/own_bounding_law.md). methods: the built-in ones beside them; without it "none" and
+    "contact_frame". tasks: of wall, sphere, corner, edge, torus, stick_slip and tap; without it all. options: those of feltwire-lab
+    compare, as damping=2 [N s/m], rate=1000 [Hz], delay=5 [ms].
+
+    Without laws it is the verb of feltwire-lab: everything, or in a scene of your own (scene=). Raises LawError for a law that raises an
+    error or returns no force, and Error.
+    """
+    if tasks is not None:
+        options["tasks"] = [tasks] if isinstance(tasks, str) else list(tasks)
+    if methods is not None:
+        options["methods"] = [methods] if isinstance(methods, str) else list(methods)
+    if laws and options.get("scene") is not None:
+        raise ValueError("compare() takes laws, or a scene for the built-in methods; laws are compared on its own tasks")
+    result = _judge("compare", laws, options)
+    return Comparison(result) if "compare" in result.tables and "compare_cost" in result.tables else result
+
+
+def extremes(*laws: Any, methods: Optional[Sequence[str]] = None, check: bool = True, **options: Any) -> Result:
+    """Runs bounding laws of the program at the limits of the number range, with hands that take all the energy they can.
+
+    laws, methods: as for compare(); without `methods` the laws alone. hands: how many hands each stress sends. result.tables["extremes"]
+    has a row for each stress and law.
+
+    Raises LawFailed with the rows of a law that broke its promise; with check=False the result has status 1. Raises LawError as compare().
+    """
+    if methods is not None:
+        options["methods"] = [methods] if isinstance(methods, str) else list(methods)
+    result = _judge("extremes", laws, {**options, "check": False})
+    failed = [line for line in result.text.splitlines() if line.startswith("FAILED")]
+    if check and result.status != 0:
+        if not failed:
+            raise Error(result.said.strip() or f"feltwire-lab extremes ended with {result.status}")
+        table = result.tables["extremes"]
+        rows = [{name: table[name][i] for name in table} for i in range(len(table)) if not table["passed"][i]]
+        raise LawFailed("\n".join(failed), rows)
+    return result
+
+
+def _judge(verb: str, laws: Sequence[Any], options: Dict[str, Any]) -> Result:
+    if not laws:
+        return run(verb, **options)
+    server = LawServer(laws)
+    try:
+        result = run(verb, _laws=server, **{**options, "check": False})
+    finally:
+        server.close()
+    if server.error is not None:
+        raise server.error
+    if result.status != 0 and (options.get("check", True) or result.said):
+        said = (result.said.strip() or result.text.strip()).replace("feltwire-lab: ", "")
+        raise (LawError if re.match(r"law \w+: step \d", said) else Error)(said)
     return result
 
 
@@ -118,4 +229,4 @@ def __getattr__(name: str) -> Callable[..., Result]:
 
 
 def __dir__() -> List[str]:
-    return ["Result", "run", "verbs", *(verb.replace("-", "_") for verb in _verbs())]
+    return ["Comparison", "LawError", "LawFailed", "Result", "run", "verbs", *(verb.replace("-", "_") for verb in _verbs())]

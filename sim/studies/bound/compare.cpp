@@ -91,7 +91,7 @@ std::vector<CompareRow> compare(const std::vector<CompareTask>& tasks,
     }
     const Method& method = methods[i % per_task - 1];
     ExperimentSetup setup = task_setup(task, loop);
-    method.configure(setup.bounding);
+    method.apply(setup.bounding);
     rows[i] = run_task(task, std::string(method.label), setup, runs[i]);
   });
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -113,7 +113,7 @@ std::vector<CompareHandsRow> compare_hands(const std::vector<CompareTask>& tasks
     CompareLoop with = loop;
     with.hand = kEightHands[i % kHands].hand;
     ExperimentSetup setup = task_setup(task, with);
-    method.configure(setup.bounding);
+    method.apply(setup.bounding);
     Run run;
     runs[i] = run_task(task, std::string(method.label), setup, run);
   });

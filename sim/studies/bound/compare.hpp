@@ -62,6 +62,13 @@ std::vector<CompareHandsRow> compare_hands(const std::vector<CompareTask>& tasks
                                            const std::vector<Method>& methods,
                                            const CompareLoop& loop);
 
+/// Compares these methods on these tasks and writes compare.json, compare.csv and compare_cost.csv
+/// to `directory` (created). Throws std::runtime_error when something cannot be written.
+std::vector<CompareRow> write_compare(const std::filesystem::path& directory,
+                                      const CompareLoop& loop,
+                                      const std::vector<CompareTask>& tasks,
+                                      const std::vector<Method>& methods);
+
 /// Compares everything and writes compare.json, compare.csv, compare.png, compare_hands.csv
 /// and, as it is never the same twice, compare_cost.csv apart, to `directory` (created). Throws
 /// std::runtime_error when something cannot be written or drawn.

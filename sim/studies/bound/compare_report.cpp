@@ -52,15 +52,23 @@ nlohmann::ordered_json json(const std::vector<CompareRow>& rows, const CompareLo
 
 }  // namespace
 
+std::vector<CompareRow> write_compare(const std::filesystem::path& directory,
+                                      const CompareLoop& loop,
+                                      const std::vector<CompareTask>& tasks,
+                                      const std::vector<Method>& methods) {
+  std::vector<CompareRow> rows = compare(tasks, methods, loop);
+  std::filesystem::create_directories(directory);
+  write_text(directory / "compare.csv", csv(rows));
+  write_text(directory / "compare_cost.csv", cost_csv(rows));
+  write_text(directory / "compare.json", json(rows, loop).dump(1) + '\n');
+  return rows;
+}
+
 Comparison write_compare(const std::filesystem::path& directory, const CompareLoop& loop) {
   const std::vector<CompareTask> tasks = compare_tasks();
   const std::vector<Method> all{methods().begin(), methods().end()};
-  Comparison result{compare(tasks, all, loop), compare_hands(tasks, all, loop)};
-  std::filesystem::create_directories(directory);
-  write_text(directory / "compare.csv", csv(result.rows));
+  Comparison result{write_compare(directory, loop, tasks, all), compare_hands(tasks, all, loop)};
   write_text(directory / "compare_hands.csv", hands_csv(result.hands));
-  write_text(directory / "compare_cost.csv", cost_csv(result.rows));
-  write_text(directory / "compare.json", json(result.rows, loop).dump(1) + '\n');
   draw_compare(directory, result.rows, loop);
   return result;
 }

@@ -49,9 +49,12 @@ std::vector<ExtremeRow> run_extremes(
 /// Whether every row passed: no NaN, no Inf, no force over the limit, every promise kept.
 bool all_passed(const std::vector<ExtremeRow>& rows);
 
-/// Writes extremes.csv, extremes.json and extremes.png to `directory` (created). The same build
-/// writes the same bytes. Throws std::runtime_error when something cannot be written or drawn.
+/// Writes extremes.csv and extremes.json to `directory` (created). The same build writes the same
+/// bytes. Throws std::runtime_error when something cannot be written.
 void write_extremes(const std::filesystem::path& directory, const std::vector<ExtremeRow>& rows);
+/// Draws extremes.png from extremes.csv in `directory`. Throws std::runtime_error when it cannot be
+/// drawn.
+void draw_extremes(const std::filesystem::path& directory, const std::vector<ExtremeRow>& rows);
 
 /// The worst relative energy error of every row, for people: a table for each arithmetic.
 std::string extremes_table(const std::vector<ExtremeRow>& rows);

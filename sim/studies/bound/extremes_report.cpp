@@ -114,30 +114,6 @@ std::string points(std::string_view mode, const char* arithmetic, std::size_t me
   return text;
 }
 
-void draw(const std::filesystem::path& directory, const std::vector<ExtremeRow>& rows) {
-  const std::size_t methods = method_count(rows), stresses = rows.size() / methods;
-  const auto drawn = columns(rows);
-  std::string script =
-      "set datafile separator ','\nset terminal pngcairo size 1300,820 font 'Sans,11'\n"
-      "set output 'extremes.png'\n"
-      "set title \"Energy missing of what each method promises, at the ends of what numbers can "
-      "say\\nupper group of points: float; lower: double; at the bottom: none missing\"\n"
-      "set logscale y\nset format y '10^{%T}'\nset yrange [5e-18:1e-3]\n"
-      "set ylabel 'missing, over all energy exchanged'\nset grid x lt 1 lc rgb '#dddddd'\n"
-      "set key outside top right vertical samplen 1 title 'method'\nset tics nomirror\n"
-      "set xtics rotate by -50 left noenhanced (";
-  for (std::size_t i = 0; i < stresses; ++i)
-    append(script, "%s'%s' %zu", i ? ", " : "", rows[i * methods].stress.c_str(), i);
-  append(script,
-         ")\nset xrange [-1:%zu]\nplot %g with lines dt 2 lc rgb 'black' title 'epsilon of float', "
-         "%g with lines dt 3 lc rgb 'black' title 'epsilon of double', \\\n",
-         stresses, kArithmetic<float>.epsilon, kArithmetic<double>.epsilon);
-  for (std::size_t m = 0; m < drawn.size(); ++m)
-    script += points(drawn[m], "double", m, methods) + ", \\\n" +
-              points(drawn[m], "float", m, methods) + (m + 1 < drawn.size() ? ", \\\n" : "\n");
-  plot(directory, "extremes", script);
-}
-
 }  // namespace
 
 std::string extremes_table(const std::vector<ExtremeRow>& rows) {
@@ -209,7 +185,30 @@ void write_extremes(const std::filesystem::path& directory, const std::vector<Ex
   }
   write_text(directory / "extremes.csv", csv);
   write_text(directory / "extremes.json", document.dump(1) + '\n');
-  draw(directory, rows);
+}
+
+void draw_extremes(const std::filesystem::path& directory, const std::vector<ExtremeRow>& rows) {
+  const std::size_t methods = method_count(rows), stresses = rows.size() / methods;
+  const auto drawn = columns(rows);
+  std::string script =
+      "set datafile separator ','\nset terminal pngcairo size 1300,820 font 'Sans,11'\n"
+      "set output 'extremes.png'\n"
+      "set title \"Energy missing of what each method promises, at the ends of what numbers can "
+      "say\\nupper group of points: float; lower: double; at the bottom: none missing\"\n"
+      "set logscale y\nset format y '10^{%T}'\nset yrange [5e-18:1e-3]\n"
+      "set ylabel 'missing, over all energy exchanged'\nset grid x lt 1 lc rgb '#dddddd'\n"
+      "set key outside top right vertical samplen 1 title 'method'\nset tics nomirror\n"
+      "set xtics rotate by -50 left noenhanced (";
+  for (std::size_t i = 0; i < stresses; ++i)
+    append(script, "%s'%s' %zu", i ? ", " : "", rows[i * methods].stress.c_str(), i);
+  append(script,
+         ")\nset xrange [-1:%zu]\nplot %g with lines dt 2 lc rgb 'black' title 'epsilon of float', "
+         "%g with lines dt 3 lc rgb 'black' title 'epsilon of double', \\\n",
+         stresses, kArithmetic<float>.epsilon, kArithmetic<double>.epsilon);
+  for (std::size_t m = 0; m < drawn.size(); ++m)
+    script += points(drawn[m], "double", m, methods) + ", \\\n" +
+              points(drawn[m], "float", m, methods) + (m + 1 < drawn.size() ? ", \\\n" : "\n");
+  plot(directory, "extremes", script);
 }
 
 }  // namespace feltwire

@@ -30,7 +30,7 @@ ExperimentSetup press_setup(const Method& method, double damping, double rate, d
   setup.bounding.period = 1.0 / rate;
   setup.bounding.damping = damping;
   setup.delay = delay_samples(delay, setup.bounding.period);
-  method.configure(setup.bounding);
+  method.apply(setup.bounding);
   return setup;
 }
 

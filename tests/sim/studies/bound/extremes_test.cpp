@@ -78,7 +78,11 @@ TEST(Extremes, WhatIsToldMustBeADamping) {
 
 TEST(Extremes, TheSameBytesEveryTime) {
   const auto directory = std::filesystem::path(::testing::TempDir()) / "feltwire_extremes_test";
-  for (const char* turn : {"a", "b"}) write_extremes(directory / turn, run_extremes(1.0, 1));
+  for (const char* turn : {"a", "b"}) {
+    const auto rows = run_extremes(1.0, 1);
+    write_extremes(directory / turn, rows);
+    draw_extremes(directory / turn, rows);
+  }
   for (const char* file : {"extremes.csv", "extremes.json", "extremes.png"}) {
     const std::string text = text_of(directory / "a" / file);
     EXPECT_GT(text.size(), 10000u) << file;

@@ -20,7 +20,7 @@ TEST(Methods, LabelsAreDistinctAndFound) {
     EXPECT_TRUE(labels.insert(m.label).second) << m.label;
     EXPECT_EQ(method(m.label).configure, m.configure);
     BoundingConfig config;
-    m.configure(config);
+    m.apply(config);
     EXPECT_NO_THROW(Bounding{config}) << m.label;
   }
   EXPECT_THROW(method("nothing"), std::invalid_argument);
