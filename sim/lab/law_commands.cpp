@@ -1,8 +1,10 @@
 // The commands of feltwire-lab that judge bounding laws, also those of users.
 
+#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <stdexcept>
 
 #include "client/hands/plant_file.hpp"
 #include "core/base/enum_names.hpp"
@@ -55,9 +57,10 @@ void add_law_options(CLI::App& command, JudgedLaws& laws) {
 }
 
 std::vector<CompareTask> tasks_named(const std::vector<std::string>& names) {
-  const std::vector<CompareTask> all = compare_tasks();
+  std::vector<CompareTask> all = compare_tasks();
   if (names.empty()) return all;
   std::vector<CompareTask> chosen;
+  chosen.reserve(names.size());
   for (const std::string& name : names)
     chosen.push_back(get_named("task", name, all, &CompareTask::name));
   return chosen;

@@ -161,8 +161,10 @@ class SocketLaw final : public OwnLaw {
   std::uint32_t index_;
 };
 
-Promise promise_of(std::uint32_t number) {
-  if (number > static_cast<std::uint32_t>(Promise::own_sum))
+/// The promise of a coupling is of a law that moves the probe, and these laws do not.
+Promise told_promise(std::uint32_t number) {
+  if (number > static_cast<std::uint32_t>(Promise::own_sum) ||
+      number == static_cast<std::uint32_t>(Promise::coupling))
     throw std::runtime_error("the process that has the law sent no description of it");
   return static_cast<Promise>(number);
 }
@@ -176,7 +178,7 @@ void add_socket_laws(int socket, int count) {
     shared->receive(&told, sizeof told);
     const auto kept = [&](int fault) { return (static_cast<int>(told.kept_despite) & fault) != 0; };
     const OwnLawEntry entry{.name = shared->receive_text(told.name_size),
-                            .promise = promise_of(told.promise),
+                            .promise = told_promise(told.promise),
                             .kept_despite = {.overlong_holds = kept(FELTWIRE_KEPT_OVERLONG_HOLDS),
                                              .reductions = kept(FELTWIRE_KEPT_REDUCTIONS),
                                              .unknown_inputs = kept(FELTWIRE_KEPT_UNKNOWN_INPUTS)},
