@@ -18,6 +18,7 @@ struct Object {
   Side felt_from = Side::outside;
   Pose pose;
   Material material;
+  std::string material_name = {};  // in the scene file; empty: not known
 };
 
 /// The object's force on the hand [N, world], by contact_law.hpp. A free tool gets zero and a

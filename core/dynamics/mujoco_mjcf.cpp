@@ -93,15 +93,20 @@ Shape shape_of(const mjModel& model, int geom, const std::string& file, MjcfMesh
                      file + ": a geom of it" + kShapes);
 }
 
-Material material_of(const mjModel& model, int geom, const MjcfMaterials& materials) {
+void give_material(const mjModel& model, int geom, const MjcfMaterials& materials, Object& object) {
   const int number = model.geom_matid[geom];
   const char* own = mj_id2name(&model, mjOBJ_GEOM, geom);
   const char* of = number >= 0 ? mj_id2name(&model, mjOBJ_MATERIAL, number) : nullptr;
   for (const char* name : {own, of})
     if (name != nullptr)
       for (const MjcfMaterials::Named& named : materials.named)
-        if (named.name == name) return named.material;
-  return materials.other;
+        if (named.name == name) {
+          object.material = named.material;
+          object.material_name = named.material_name;
+          return;
+        }
+  object.material = materials.other;
+  object.material_name = materials.other_name;
 }
 
 void check_names(const mjModel& model, const MjcfMaterials& materials, const std::string& file) {
@@ -226,7 +231,7 @@ std::shared_ptr<const Mechanism> load_mjcf(const std::filesystem::path& file,
       Object object;
       object.name = geom_name(model, g);
       object.shape = shape_of(model, g, name, meshes);
-      object.material = material_of(model, g, materials);
+      give_material(model, g, materials, object);
       const Pose in_body{mujoco::vector(mujoco::entry<3>(model.geom_pos, g)),
                          mujoco::quaternion(mujoco::entry<4>(model.geom_quat, g))};
       const Quaternion turned = mujoco::quaternion(mujoco::entry<4>(data->xquat, body));

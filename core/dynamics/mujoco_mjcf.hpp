@@ -16,8 +16,10 @@ struct MjcfMaterials {
   struct Named {
     std::string name;  // of a geom, or of a material of the file; a geom's own name wins
     Material material;
+    std::string material_name = {};  // in the scene file
   };
-  Material other;  // of all other geoms
+  Material other;               // of all other geoms
+  std::string other_name = {};  // in the scene file
   std::vector<Named> named;
 };
 

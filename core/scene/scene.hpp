@@ -50,6 +50,9 @@ class Scene {
 
   const std::string& name() const { return name_; }
   const Start& start() const { return start_; }
+  /// For people; empty: none.
+  const std::string& description() const { return description_; }
+  void describe(std::string description) { description_ = std::move(description); }
   /// Warnings about its files and bodies: suspicious values that are not errors.
   const std::vector<std::string>& warnings() const { return warnings_; }
   void warn(std::vector<std::string> warnings) { warnings_ = std::move(warnings); }
@@ -108,7 +111,7 @@ class Scene {
   }
 
  private:
-  std::string name_;
+  std::string name_, description_;
   Start start_;
   std::vector<RemoteSeat> seats_;
   std::shared_ptr<const Mechanism> mechanism_;

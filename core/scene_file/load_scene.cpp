@@ -214,7 +214,11 @@ Scene parse_scene(std::string_view json, const std::string& file) {
   if (has_body_tool(scene)) meshes.take_all_for_solids();
   std::vector<Object> objects;
   Names names(document, "objects");
-  if (scene.mjcf()) return mjcf_scene(document, scene, materials, file);
+  const auto described = [&](Scene read) {
+    if (scene.description() != nullptr) read.describe(scene.description()->str());
+    return read;
+  };
+  if (scene.mjcf()) return described(mjcf_scene(document, scene, materials, file));
   if (!scene.objects()) document.fail("objects", "is missing; add it");
   for (const scene_file::Object* o : *scene.objects()) {
     const std::string path = element("objects", objects.size());
@@ -227,6 +231,7 @@ Scene parse_scene(std::string_view json, const std::string& file) {
     object.felt_from = side(o->felt_from());
     object.pose = read_pose(document, path, *o);
     object.material = find_material(document, path, materials, o->material()->str());
+    object.material_name = o->material()->str();
     objects.push_back(std::move(object));
   }
   std::vector<Guide> guides = read_guides(document, scene);
@@ -242,7 +247,7 @@ Scene parse_scene(std::string_view json, const std::string& file) {
   read.set_mechanism(std::move(moving.mechanism));
   read_tools(document, scene, folder, read);
   read.set_seats(read_seats(document, scene));
-  return read;
+  return described(std::move(read));
 }
 
 Scene load_scene(const std::filesystem::path& file) {

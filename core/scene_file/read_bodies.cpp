@@ -133,12 +133,15 @@ std::shared_ptr<const Mechanism> read_mjcf(const JsonDocument& document,
   if (scene.gravity() != nullptr)
     document.fail("gravity", "is the MJCF file's own to say; remove it");
   MjcfMaterials materials;
-  materials.other = find_material("mjcf", given.material()->str());
+  materials.other_name = given.material()->str();
+  materials.other = find_material("mjcf", materials.other_name);
   if (given.materials() != nullptr)
     for (const scene_file::MjcfMaterial* m : *given.materials())
       materials.named.push_back(
-          {m->name()->str(), find_material("mjcf." + element("materials", materials.named.size()),
-                                           m->material()->str())});
+          {m->name()->str(),
+           find_material("mjcf." + element("materials", materials.named.size()),
+                         m->material()->str()),
+           m->material()->str()});
   const MechanismOptions options = read_options(document, scene);
   const std::filesystem::path file = folder / given.file()->str();
   try {
