@@ -1,13 +1,12 @@
 #include "client/simulator/simulator_session.hpp"
 
-#include <sodium.h>
-
 #include <cmath>
 #include <stdexcept>
 
 #include "client/simulator/simulator_port.hpp"
 #include "core/build_info/build_info.hpp"
 #include "protocol/crypto/aead.hpp"
+#include "protocol/crypto/session_keys.hpp"
 
 namespace feltwire {
 namespace {
@@ -39,10 +38,9 @@ std::shared_ptr<SimulatorFeed> meet_simulator(RunOptions& options, const Simulat
   options.whole_surfaces = false;
 
   auto feed = std::make_shared<SimulatorFeed>();
-  SessionKeys keys;
-  require(supported(keys.suite), "the library libsodium cannot start");
-  randombytes_buf(keys.up.data(), keys.up.size());
-  randombytes_buf(keys.down.data(), keys.down.size());
+  constexpr CipherSuite kSuite = CipherSuite::chacha20_poly1305;
+  require(supported(kSuite), "the library libsodium cannot start");
+  const SessionKeys keys = random_session_keys(kSuite);
   options.join = [scene, keys](const control::JoinRequest& request) {
     Joined joined;
     joined.keys = keys;

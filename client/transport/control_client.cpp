@@ -14,6 +14,7 @@
 #include "client/transport/control_dialogue.hpp"
 #include "protocol/net/ports.hpp"
 #include "protocol/session/grant.hpp"
+#include "protocol/wire/session_secrets.hpp"
 
 namespace feltwire {
 namespace {
@@ -96,8 +97,8 @@ Joined join(const ServerAccess& server, const control::JoinRequest& request,
   control::JoinRequest wanted = request;
   wanted.aes_256_gcm = has_aes_256_gcm();
   ControlDialogue dialogue(server, timeout);
-  const control::Message answer = dialogue.ask(wanted);
-  const auto* accepted = std::get_if<control::JoinAccepted>(&answer);
+  control::Message answer = dialogue.ask(wanted);
+  auto* accepted = std::get_if<control::JoinAccepted>(&answer);
   if (accepted == nullptr || accepted->session == 0 || accepted->port_offset == 0)
     dialogue.bad_answer();
   const std::string name = to_string(server.endpoint);
@@ -114,8 +115,13 @@ Joined join(const ServerAccess& server, const control::JoinRequest& request,
     throw LastingError(name + " granted " + *broken +
                        "; this client joins no such session: is it a server to be trusted?");
   const auto peer = dialogue.stream().peer();
-  return {*accepted, address_of({peer, static_cast<std::uint16_t>(port)}),
-          dialogue.stream().keys(accepted->session, accepted->suite)};
+  const Address datagrams = address_of({peer, static_cast<std::uint16_t>(port)});
+  try {
+    const SessionKeys keys = take_keys(*accepted);
+    return {std::move(*accepted), datagrams, keys};
+  } catch (const std::invalid_argument& error) {
+    throw LastingError(name + " gave the session no good secrets: " + error.what());
+  }
 }
 
 std::vector<control::SceneEntry> list_scenes(const ServerAccess& server,

@@ -60,9 +60,9 @@ struct Address {
 };
 
 struct Joined {
-  control::JoinAccepted accepted;
-  Address datagrams;  // the scene's UDP port at the host that answered
-  SessionKeys keys;   // of the datagrams
+  control::JoinAccepted accepted;  // without its secrets
+  Address datagrams;               // the scene's UDP port at the host that answered
+  SessionKeys keys;                // of the datagrams
 };
 
 /// Asks the server for a session. Blocks, at most `timeout` for each of connecting, TLS and the

@@ -34,9 +34,20 @@ control::Message ControlDialogue::ask(const control::Message& question) {
   frames.insert(frames.end(), frame.begin(), frame.end());
   stream_.write(frames);
   wipe(frames);
-  if (!std::holds_alternative<control::Authenticated>(receive())) bad_answer();
+  const control::Message greeting = receive();
+  const auto* greeted = std::get_if<control::Authenticated>(&greeting);
+  if (greeted == nullptr) bad_answer();
+  require_common_version(greeted->versions);
   let_in_ = true;
   return receive();
+}
+
+void ControlDialogue::require_common_version(const ProtocolVersions& server) const {
+  const ProtocolVersions ours;
+  if (common_version(ours, server)) return;
+  throw LastingError(server_ + " speaks " + to_string(server) +
+                     " of the feltwire protocol, this client " + to_string(ours) +
+                     "; install a newer " + (server.newest < ours.oldest ? "server" : "client"));
 }
 
 void ControlDialogue::bad_answer() const {
@@ -57,6 +68,7 @@ control::Message ControlDialogue::receive() {
   std::vector<std::uint8_t> body(size);
   stream_.read(body);
   std::optional<control::Message> answer = control::decode(body);
+  wipe(body);  // it may hold the secrets of a session
   if (!answer) bad_answer();
   if (const auto* refused = std::get_if<control::Refused>(&*answer)) {
     const std::string said = server_ + " refused: " + refused->reason;

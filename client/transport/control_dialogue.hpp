@@ -43,6 +43,8 @@ class ControlDialogue {
 
  private:
   control::Message receive();
+  /// Throws LastingError if this client and the server have no version of the protocol in common.
+  void require_common_version(const ProtocolVersions& server) const;
 
   std::string server_;
   TlsStream stream_;

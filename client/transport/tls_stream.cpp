@@ -153,14 +153,6 @@ void TlsStream::handshake(const ServerAccess& server) {
   }
 }
 
-SessionKeys TlsStream::keys(std::uint64_t session, CipherSuite suite) const {
-  try {
-    return export_keys(*stream_.native_handle(), session, suite);
-  } catch (const std::runtime_error& error) {
-    throw SessionError(server_ + ": " + error.what());
-  }
-}
-
 void TlsStream::write(std::span<const std::uint8_t> bytes) {
   await(
       [&](auto done) {

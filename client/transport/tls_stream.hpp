@@ -33,7 +33,6 @@ class TlsStream {
   };
 
   asio::ip::address peer() const { return stream_.lowest_layer().remote_endpoint().address(); }
-  SessionKeys keys(std::uint64_t session, CipherSuite suite) const;
 
  private:
   void connect(const Endpoint& server);
@@ -48,7 +47,7 @@ class TlsStream {
   Pin pin_;
   asio::io_context io_;
   asio::ssl::context tls_;
-  mutable asio::ssl::stream<asio::ip::tcp::socket> stream_;
+  asio::ssl::stream<asio::ip::tcp::socket> stream_;
 };
 
 }  // namespace feltwire

@@ -7,8 +7,6 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "protocol/crypto/session_keys.hpp"
-
 namespace feltwire {
 
 Secret::~Secret() { sodium_memzero(bytes_.data(), bytes_.size()); }
@@ -32,10 +30,5 @@ void end_without_random_numbers() noexcept {
 }
 
 void forbid_core_dumps() noexcept { ::prctl(PR_SET_DUMPABLE, 0, 0, 0, 0); }
-
-SessionKeys::~SessionKeys() {
-  sodium_memzero(up.data(), up.size());
-  sodium_memzero(down.data(), down.size());
-}
 
 }  // namespace feltwire

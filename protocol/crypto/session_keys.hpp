@@ -22,4 +22,7 @@ struct SessionKeys {
   ~SessionKeys();
 };
 
+/// New keys of the system's random numbers, for one session (end_without_random_numbers()).
+SessionKeys random_session_keys(CipherSuite suite);
+
 }  // namespace feltwire

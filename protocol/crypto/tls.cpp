@@ -5,11 +5,8 @@
 #include <openssl/x509.h>
 #include <sodium.h>
 
-#include <algorithm>
 #include <new>
 #include <stdexcept>
-
-#include "core/base/little_endian.hpp"
 
 namespace feltwire {
 
@@ -64,23 +61,7 @@ void require_tls_13(ssl_ctx_st& context) {
       SSL_CTX_set_num_tickets(&context, 0) != 1)
     throw std::runtime_error("this machine cannot use TLS 1.3: " + last_tls_error());
   SSL_CTX_set_session_cache_mode(&context, SSL_SESS_CACHE_OFF);
-}
-
-SessionKeys export_keys(ssl_st& connection, std::uint64_t session, CipherSuite suite) {
-  constexpr std::string_view kLabel = "EXPORTER-feltwire-datagrams";
-  std::array<std::uint8_t, sizeof session + 1> context;
-  put_little_endian(context.data(), session);
-  context.back() = static_cast<std::uint8_t>(suite);
-  std::array<std::uint8_t, 2 * kKeySize> bytes;
-  if (SSL_export_keying_material(&connection, bytes.data(), bytes.size(), kLabel.data(),
-                                 kLabel.size(), context.data(), context.size(), 1) != 1)
-    throw std::runtime_error("the TLS session gives no keys: " + last_tls_error());
-  SessionKeys keys;
-  keys.suite = suite;
-  std::copy_n(bytes.begin(), kKeySize, keys.up.begin());
-  std::copy_n(bytes.begin() + kKeySize, kKeySize, keys.down.begin());
-  sodium_memzero(bytes.data(), bytes.size());
-  return keys;
+  SSL_CTX_set_options(&context, SSL_OP_CLEANSE_PLAINTEXT);
 }
 
 bool has_aes_256_gcm() noexcept {

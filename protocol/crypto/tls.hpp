@@ -1,13 +1,11 @@
 #pragma once
-// Used by both ends of a control connection: the fingerprint of a certificate, and the datagram
-// keys of a TLS session.
+// Used by both ends of a control connection: the fingerprint of a certificate, and what they
+// require of TLS.
 
 #include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
-
-#include "protocol/crypto/session_keys.hpp"
 
 struct ssl_st;
 struct ssl_ctx_st;
@@ -35,12 +33,9 @@ ssl_st* new_tls_connection(ssl_ctx_st& context);
 void require_buffers(const ssl_st& connection);
 
 /// TLS 1.3 only, without tickets and early data: every connection has its own key exchange, so no
-/// two sessions share a key.
+/// two connections share a key. OpenSSL wipes what it received once it has given it out, because
+/// messages hold secrets.
 void require_tls_13(ssl_ctx_st& context);
-
-/// The datagram keys of a session that was joined by this connection: exported from its TLS session
-/// (RFC 8446, 7.5), alike at both ends and known to nobody else. Throws std::runtime_error.
-SessionKeys export_keys(ssl_st& connection, std::uint64_t session, CipherSuite suite);
 
 /// Whether this CPU has the instructions that make AES-256-GCM fast, and safe against timing
 /// attacks.

@@ -17,6 +17,7 @@
 #include "protocol/crypto/session_keys.hpp"
 #include "protocol/session/client_change.hpp"
 #include "protocol/session/material_change.hpp"
+#include "protocol/session/protocol_versions.hpp"
 #include "protocol/session/role.hpp"
 #include "protocol/session/session_parameters.hpp"
 #include "protocol/wire/datagram.hpp"
@@ -36,6 +37,8 @@ inline constexpr std::size_t kMaxDescriptions = 64;     // of one SessionDescrip
 inline constexpr std::size_t kMaxMaterials = 1000;      // of one SceneDescription
 inline constexpr std::size_t kMaxSurfaces = 200;        // of one SurfaceList
 inline constexpr std::size_t kMaxPart = 1200;      // vertices, and triangles, of one SurfacePart
+inline constexpr std::size_t kMaxShapes = 100;     // of one ShapeDescriptions
+inline constexpr std::size_t kMaxLengths = 8;      // of one shape
 inline constexpr double kShortestSilence = 0.1;    // [s] of a silence timeout
 inline constexpr double kLongestSilence = 3600.0;  // [s] of a silence timeout
 
@@ -70,6 +73,8 @@ struct JoinAccepted {
   Workspace workspace;  // for a follower: that of its seat
   std::vector<std::string> seats = {};  // names of the scene's seats for robots, at most kMostSeats
   bool lists_surfaces = false;          // the server knows ListSurfaces
+  // The secrets of the datagrams as they came, wiped at the end. take_keys() checks their length.
+  Secret secret_up = {}, secret_down = {};
 };
 struct LeaveRequest {
   std::uint64_t session = 0;
@@ -116,10 +121,12 @@ struct Refused {
 };
 struct Authenticate {
   Secret token;
+  ProtocolVersions versions = {};  // of the client
 };
 struct Authenticated {
   std::string client, scene;  // the token's client, and the scene that it opens; *: any
   Role role = Role::observer;
+  ProtocolVersions versions = {};  // of the server
 };
 struct Evict {
   std::uint64_t session = 0;
@@ -289,6 +296,45 @@ struct BodyPoints {
   std::vector<Vec3> points;  // [m] at most kMaxPart
 };
 
+/// A list of shapes of a scene, for a client that draws them.
+enum class ShapeGroup : std::uint8_t { objects, guides, tools };
+struct DescribeShapes {
+  std::string scene;
+  ShapeGroup group = ShapeGroup::objects;
+  std::uint32_t from = 0;  // lists shapes from this index on
+};
+struct ShapeDescription {
+  std::string name;
+  std::string shape;  // its name in a scene file, or "grid", "mesh", "points", "everywhere"
+  std::vector<double> lengths = {};  // [m] at most kMaxLengths
+  Pose pose = {};                    // of the shape; of what moves, at the start
+  bool parts = false;                // GetShape has its vertices, and triangles if it is a surface
+  bool moves = false;                // views have its pose
+  bool from_inside = false;
+  std::string material = {};  // of an object: its name in the scene file; empty: none
+  std::string action = {};    // of a guide: its name in a scene file
+  bool closed = false;        // of a curve
+};
+struct ShapeDescriptions {
+  std::uint32_t version = 0;             // of the scene, as of SceneDescription
+  std::string scene;                     // for people; encode() cuts one longer than kMaxReason
+  std::uint32_t count = 0;               // of the group
+  std::vector<ShapeDescription> shapes;  // at most kMaxShapes
+};
+/// Asks for the part of a shape after so many vertices and triangles.
+struct GetShape {
+  std::string scene;
+  std::uint32_t version = 0;
+  ShapeGroup group = ShapeGroup::objects;
+  std::uint32_t index = 0;
+  std::uint32_t vertices = 0, triangles = 0;
+};
+struct ShapePart {
+  std::uint32_t all_vertices = 0, all_triangles = 0;  // of the shape
+  std::vector<Vec3> vertices = {};                    // [m] in the shape's frame, at most kMaxPart
+  std::vector<Triangle> triangles = {};               // at most kMaxPart
+};
+
 using Message =
     std::variant<JoinRequest, JoinAccepted, LeaveRequest, Left, ListScenes, SceneList,
                  SetParameters, ParametersSet, Refused, Authenticate, Authenticated, Evict, Evicted,
@@ -296,7 +342,8 @@ using Message =
                  SceneChanged, DescribeSessions, SessionDescriptions, GetCounters, Counters,
                  SetLink, SetLead, WriteFlightRecord, FlightRecordWritten, DescribeScene,
                  SceneDescription, ListSurfaces, SurfaceList, GetSurface, SurfacePart, TakeSurfaces,
-                 SurfacesTaken, ListSolids, SolidList, GetBodyPoints, BodyPoints>;
+                 SurfacesTaken, ListSolids, SolidList, GetBodyPoints, BodyPoints, DescribeShapes,
+                 ShapeDescriptions, GetShape, ShapePart>;
 
 const char* name(RefusalCode code);
 

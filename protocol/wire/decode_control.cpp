@@ -8,6 +8,7 @@
 #include "protocol/wire/control.hpp"
 #include "protocol/wire/control_values.hpp"
 #include "protocol/wire/parameters_codec.hpp"
+#include "protocol/wire/shape_codec.hpp"
 #include "protocol/wire/solid_codec.hpp"
 #include "protocol/wire/surface_codec.hpp"
 
@@ -32,6 +33,10 @@ bool read(const wire::JoinRequest& from, JoinRequest& to) {
          control::read(*from.parameters(), to.parameters) && read_enum(from.role(), to.role) &&
          read_enum(from.laws_taken(), to.takes.laws);
 }
+Secret secret(const flatbuffers::Vector<std::uint8_t>* bytes) {
+  if (bytes == nullptr) return {};
+  return Secret({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+}
 bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
   to.session = from.session();
   to.port_offset = from.port_offset();
@@ -48,6 +53,8 @@ bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
     for (const auto* seat : *seats)
       if (!read_name(seat, to.seats.emplace_back())) return false;
   }
+  to.secret_up = secret(from.secret_up());
+  to.secret_down = secret(from.secret_down());
   // Cipher suites are numbered from 1.
   return control::read(from.workspace(), to.workspace) && from.suite() >= wire::CipherSuite::MIN &&
          from.suite() <= wire::CipherSuite::MAX && read_name(from.tool(), to.tool) &&
@@ -86,11 +93,13 @@ bool read(const wire::Refused& from, Refused& to) {
 bool read(const wire::Authenticate& from, Authenticate& to) {
   if (from.token()->size() > kMaxName) return false;
   to.token = Secret({from.token()->c_str(), from.token()->size()});
-  return true;
+  to.versions = {.newest = from.newest_protocol(), .oldest = from.oldest_protocol()};
+  return to.versions.oldest <= to.versions.newest;
 }
 bool read(const wire::Authenticated& from, Authenticated& to) {
-  return read_name(from.client(), to.client) && read_name(from.scene(), to.scene) &&
-         read_enum(from.role(), to.role);
+  to.versions = {.newest = from.newest_protocol(), .oldest = from.oldest_protocol()};
+  return to.versions.oldest <= to.versions.newest && read_name(from.client(), to.client) &&
+         read_name(from.scene(), to.scene) && read_enum(from.role(), to.role);
 }
 bool read(const wire::Evict& from, Evict& to) {
   to.session = from.session();
@@ -270,10 +279,13 @@ std::uint32_t frame_length(std::span<const std::uint8_t, kFrameLengthSize> bytes
 std::optional<Message> decode(Bytes body) {
   if (body.size() < kSmallestBuffer || body.size() > kMaxFrame) return std::nullopt;
   // FlatBuffers reads eight bytes at a time, so copy an unaligned body.
-  std::vector<std::uint8_t> aligned;
+  struct Wiped {  // the copy may hold secrets
+    std::vector<std::uint8_t> bytes;
+    ~Wiped() { wipe(bytes); }
+  } aligned;
   if (reinterpret_cast<std::uintptr_t>(body.data()) % alignof(std::uint64_t) != 0) {
-    aligned.assign(body.begin(), body.end());
-    body = aligned;
+    aligned.bytes.assign(body.begin(), body.end());
+    body = aligned.bytes;
   }
   flatbuffers::Verifier verifier(body.data(), body.size(), kMaxDepth, kMaxTables);
   if (!wire::VerifyControlMessageBuffer(verifier)) return std::nullopt;
@@ -355,6 +367,14 @@ std::optional<Message> decode(Bytes body) {
       return message<GetBodyPoints>(*root->body_as_GetBodyPoints());
     case wire::Body::BodyPoints:
       return message<BodyPoints>(*root->body_as_BodyPoints());
+    case wire::Body::DescribeShapes:
+      return message<DescribeShapes>(*root->body_as_DescribeShapes());
+    case wire::Body::ShapeDescriptions:
+      return message<ShapeDescriptions>(*root->body_as_ShapeDescriptions());
+    case wire::Body::GetShape:
+      return message<GetShape>(*root->body_as_GetShape());
+    case wire::Body::ShapePart:
+      return message<ShapePart>(*root->body_as_ShapePart());
     case wire::Body::DescribeScene:
       return message<DescribeScene>(*root->body_as_DescribeScene());
     case wire::Body::SceneDescription:

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string_view>
 
 #include "core/base/little_endian.hpp"
 #include "flatbuffers/flatbuffers.h"
 #include "protocol/wire/control.hpp"
 #include "protocol/wire/control_values.hpp"
 #include "protocol/wire/parameters_codec.hpp"
+#include "protocol/wire/shape_codec.hpp"
 #include "protocol/wire/solid_codec.hpp"
 #include "protocol/wire/surface_codec.hpp"
 
@@ -29,6 +31,16 @@ wire::TimesCounted wire_times(const TimeCounts& times) {
   return {flatbuffers::span<const std::uint64_t, TimeCounts::kClasses>(times.counts()),
           times.sum()};
 }
+
+/// Wipes memory before it returns it, also where a growing buffer moves: messages hold secrets.
+class WipingAllocator : public flatbuffers::Allocator {
+ public:
+  std::uint8_t* allocate(std::size_t size) override { return new std::uint8_t[size]; }
+  void deallocate(std::uint8_t* memory, std::size_t size) override {
+    sodium_memzero(memory, size);
+    delete[] memory;
+  }
+};
 
 /// Builds the union member for each message.
 struct BodyBuilder {
@@ -54,10 +66,19 @@ struct BodyBuilder {
     const auto tool = name_if_any(builder, m.tool), version = name_if_any(builder, m.version);
     const auto workspace = build(builder, m.workspace);
     const auto seats = m.seats.empty() ? 0 : builder.CreateVectorOfStrings(m.seats);
+    const auto up = secret_if_any(m.secret_up), down = secret_if_any(m.secret_down);
     return wire::CreateJoinAccepted(builder, m.session, m.port_offset, parameters,
                                     m.silence_timeout, m.friction, m.rotation, &position, &normal,
                                     m.stiffness, wire_enum<wire::CipherSuite>(m.suite), tool,
-                                    version, workspace, seats, m.lists_surfaces);
+                                    version, workspace, seats, m.lists_surfaces, up, down);
+  }
+  Offset<flatbuffers::Vector<std::uint8_t>> secret_if_any(const Secret& secret) {
+    if (secret.empty()) return 0;
+    const std::string_view bytes = secret.text();
+    std::uint8_t* at = nullptr;
+    const auto vector = builder.CreateUninitializedVector(bytes.size(), &at);
+    std::copy(bytes.begin(), bytes.end(), at);
+    return vector;
   }
   Offset<wire::LeaveRequest> operator()(const LeaveRequest& m) {
     return wire::CreateLeaveRequest(builder, m.session);
@@ -83,11 +104,13 @@ struct BodyBuilder {
   }
   Offset<wire::Authenticate> operator()(const Authenticate& m) {
     const std::string_view token = m.token.text();
-    return wire::CreateAuthenticate(builder, builder.CreateString(token.data(), token.size()));
+    return wire::CreateAuthenticate(builder, builder.CreateString(token.data(), token.size()),
+                                    m.versions.newest, m.versions.oldest);
   }
   Offset<wire::Authenticated> operator()(const Authenticated& m) {
     return wire::CreateAuthenticatedDirect(builder, m.client.c_str(), m.scene.c_str(),
-                                           wire_enum<wire::Role>(m.role));
+                                           wire_enum<wire::Role>(m.role), m.versions.newest,
+                                           m.versions.oldest);
   }
   Offset<wire::Evict> operator()(const Evict& m) { return wire::CreateEvict(builder, m.session); }
   Offset<wire::Evicted> operator()(const Evicted& m) {
@@ -163,6 +186,14 @@ struct BodyBuilder {
     return wire::CreateGetBodyPoints(builder, m.session, m.version, m.points);
   }
   Offset<wire::BodyPoints> operator()(const BodyPoints& m) { return control::build(builder, m); }
+  Offset<wire::DescribeShapes> operator()(const DescribeShapes& m) {
+    return control::build(builder, m);
+  }
+  Offset<wire::ShapeDescriptions> operator()(const ShapeDescriptions& m) {
+    return control::build(builder, m);
+  }
+  Offset<wire::GetShape> operator()(const GetShape& m) { return control::build(builder, m); }
+  Offset<wire::ShapePart> operator()(const ShapePart& m) { return control::build(builder, m); }
   Offset<wire::DescribeSessions> operator()(const DescribeSessions& m) {
     return wire::CreateDescribeSessions(builder, builder.CreateString(m.scene), m.after);
   }
@@ -219,7 +250,9 @@ wire::Body body_type(const Message& message) {
 }  // namespace
 
 std::vector<std::uint8_t> encode(const Message& message) {
-  FlatBufferBuilder builder;
+  constexpr std::size_t kFirstSize = 1024;  // [bytes]
+  WipingAllocator allocator;
+  FlatBufferBuilder builder(kFirstSize, &allocator);
   const Offset<void> body =
       std::visit([&](const auto& m) { return BodyBuilder{builder}(m).Union(); }, message);
   builder.Finish(wire::CreateControlMessage(builder, body_type(message), body));
@@ -230,8 +263,6 @@ std::vector<std::uint8_t> encode(const Message& message) {
   std::vector<std::uint8_t> frame(kFrameLengthSize + builder.GetSize());
   put_little_endian(frame.data(), static_cast<std::uint32_t>(builder.GetSize()));
   std::copy_n(builder.GetBufferPointer(), builder.GetSize(), frame.data() + kFrameLengthSize);
-  // The buffer may have contained a token.
-  sodium_memzero(builder.GetBufferPointer(), builder.GetSize());
   return frame;
 }
 

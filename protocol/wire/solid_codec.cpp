@@ -3,6 +3,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/geometry/shape_lengths.hpp"
 #include "core/geometry/shapes.hpp"
 #include "protocol/wire/aligned_vector.hpp"
 #include "protocol/wire/control_values.hpp"
@@ -13,16 +14,10 @@ namespace {
 constexpr flatbuffers::uoffset_t kInertiaNumbers = 6;
 constexpr const char* kMesh = "mesh";
 
-std::vector<double> lengths_of(const Shape& shape) {
-  std::vector<double> lengths;
-  on_primitive(
-      shape,
-      [&](const auto& primitive) {
-        primitive.lengths(primitive,
-                          [&](const Length&, double length) { lengths.push_back(length); });
-      },
-      [] {});
-  return lengths;
+std::vector<double> lengths_of_primitive(const Shape& shape) {
+  return on_primitive(
+      shape, [](const auto& primitive) { return lengths_of(primitive); },
+      [] { return std::vector<double>{}; });
 }
 
 const char* name_of(const Shape& shape) {
@@ -100,7 +95,7 @@ flatbuffers::Offset<wire::SolidList> build(flatbuffers::FlatBufferBuilder& build
     const bool is_mesh = listed.triangles > 0;
     const auto shape = builder.CreateString(is_mesh ? kMesh : name_of(solid.shape));
     const auto lengths =
-        builder.CreateVector(is_mesh ? std::vector<double>{} : lengths_of(solid.shape));
+        builder.CreateVector(is_mesh ? std::vector<double>{} : lengths_of_primitive(solid.shape));
     entries.push_back(wire::CreateSolidEntry(builder, solid.object, &position, &orientation,
                                              solid.from_inside, &material, shape, lengths,
                                              listed.vertices, listed.triangles));

@@ -62,10 +62,11 @@ class TlsSocket {
   void async_write_some(const Buffers& buffers, Done done) {
     begin(
         [this, buffers] {
+          const auto first = first_of<asio::const_buffer>(buffers);
+          if (first.size() == asio::buffer_size(buffers)) return write(first);
           // A small first buffer and what follows it become one record.
           std::array<std::uint8_t, kTogether> room{};
           const std::size_t together = asio::buffer_copy(asio::buffer(room), buffers);
-          const auto first = first_of<asio::const_buffer>(buffers);
           return write(first.size() < together ? asio::buffer(room, together) : first);
         },
         std::move(done));

@@ -72,8 +72,31 @@ bool AdminService::describe(PendingRequest& asked, const control::Message& reque
   return true;
 }
 
+/// Answers DescribeShapes and GetShape, the requests of observers that draw a scene. Returns false
+/// for any other request.
+bool AdminService::describe_shapes(PendingRequest& asked, const control::Message& request) {
+  const auto* list = std::get_if<control::DescribeShapes>(&request);
+  const auto* get = std::get_if<control::GetShape>(&request);
+  if (list == nullptr && get == nullptr) return false;
+  const auto found =
+      scene_for(asked.token, list != nullptr ? list->scene : get->scene, Role::observer);
+  if (const auto* refused = std::get_if<Refused>(&found)) {
+    asked.answer(*refused);
+    return true;
+  }
+  const std::size_t scene = std::get<std::size_t>(found);
+  if (get != nullptr) {
+    asked.answer(shape_parts_.part(scene, hosts_[scene]->current_scene(), *get));
+  } else if (auto hasty = limits_.check_questions(asked.token)) {
+    asked.answer(*std::move(hasty));
+  } else {
+    asked.answer(described_shapes(hosts_[scene]->current_scene(), *list));
+  }
+  return true;
+}
+
 bool AdminService::handle(PendingRequest& asked, const control::Message& request) {
-  if (describe(asked, request)) return true;
+  if (describe(asked, request) || describe_shapes(asked, request)) return true;
   if (const auto* eviction = std::get_if<control::Evict>(&request)) {
     asked.answer(evict(asked.token, *eviction));
     return true;

@@ -18,6 +18,7 @@
 #include "server/control/request_limits.hpp"
 #include "server/control/scene_hosts.hpp"
 #include "server/control/session_directory.hpp"
+#include "server/control/shape_requests.hpp"
 
 namespace feltwire {
 
@@ -56,6 +57,7 @@ class AdminService {
 
  private:
   bool describe(PendingRequest& asked, const control::Message& request);
+  bool describe_shapes(PendingRequest& asked, const control::Message& request);
   std::variant<std::size_t, control::Refused> scene_for(const Token& token, const std::string& name,
                                                         Role role);
   control::Message evict(const Token& token, const control::Evict& request);
@@ -71,6 +73,7 @@ class AdminService {
   SessionDirectory& directory_;
   RequestLimits& limits_;
   Callbacks callbacks_;
+  ShapeParts shape_parts_;
 };
 
 }  // namespace feltwire

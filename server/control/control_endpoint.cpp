@@ -77,10 +77,10 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
         stream_(std::move(socket), *endpoint.tls_.native_handle()),
         deadline_(endpoint.io_) {
     peer_.address = address;
-    peer_.keys = [this](std::uint64_t session, CipherSuite suite) {
-      return export_keys(*stream_.native_handle(), session, suite);
-    };
   }
+  ~Connection() { wipe_buffers(); }
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
 
   void start() {
     set_deadline(endpoint_.options_.handshake_timeout);
@@ -143,6 +143,15 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
   tcp::socket& socket() { return stream_.next_layer(); }
   bool stranger() const { return peer_.token.empty(); }
 
+  /// Wipes and frees the request and the answer: they may hold a token or the secrets of a session,
+  /// and a connection that waits for its next request must not hold memory.
+  void wipe_buffers() noexcept {
+    for (auto* buffer : {&body_, &frame_}) {
+      wipe(*buffer);
+      *buffer = std::vector<std::uint8_t>();
+    }
+  }
+
   void set_deadline(std::chrono::milliseconds timeout) {
     deadline_.expires_after(timeout);
     deadline_.async_wait(safely([this](const Error& error) {
@@ -179,9 +188,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
 
   void handle() {
     std::optional<control::Message> request = control::decode(body_);
-    if (stranger()) wipe(body_);
-    // Free the buffer: a connection may wait long for its next request, and must not hold memory.
-    body_ = std::vector<std::uint8_t>();
+    wipe_buffers();
     if (!request) return refuse_malformed("the frame holds no control message of this version");
     endpoint_.handler_(peer_, std::move(*request), then([this](const control::Message& answer) {
                          if (const auto* refused = std::get_if<control::Refused>(&answer))
@@ -204,7 +211,7 @@ class ControlEndpoint::Connection : public std::enable_shared_from_this<Connecti
     frame_ = control::encode(answer);
     asio::async_write(stream_, asio::buffer(frame_), then([this](const Error& error, std::size_t) {
                         if (error) return end();
-                        frame_ = std::vector<std::uint8_t>();
+                        wipe_buffers();
                         if (ends_after_answer_) return say_end();
                         read_length();
                       }));

@@ -50,8 +50,6 @@ struct ControlPeer {
   std::string token;   // id of the one it has shown; empty: none yet
   std::string client;  // the name of that token's holder
   bool waits = false;  // the answer may take long: the connection stays until it is given
-  /// The keys of a session that is joined by this connection (protocol/crypto/tls.hpp).
-  std::function<SessionKeys(std::uint64_t session, CipherSuite suite)> keys;
 };
 
 /// Answers requests; the answer may be called later, on the control thread, exactly once. `peer`

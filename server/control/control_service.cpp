@@ -7,6 +7,8 @@
 #include "core/base/visible_text.hpp"
 #include "protocol/crypto/tls.hpp"
 #include "protocol/net/clock.hpp"
+#include "protocol/session/protocol_versions.hpp"
+#include "protocol/wire/session_secrets.hpp"
 #include "server/control/pointer_limits.hpp"
 #include "server/control/surface_requests.hpp"
 #include "server/scene/parameter_changes.hpp"
@@ -72,9 +74,16 @@ control::Message ControlService::authenticate(ControlPeer& peer,
   const Token* token = feltwire::authenticate(tokens_.tokens(), shown.token.text(), calendar_now());
   if (token != nullptr) {
     if (auto refused = request_limits_.check_requests(token->client)) return *std::move(refused);
+    const ProtocolVersions ours;
+    if (!common_version(shown.versions, ours)) {
+      std::string reason = refused_client(shown.versions, ours);
+      spdlog::warn("client {} (token {}) is refused: {}", visible(token->client), token->id,
+                   reason);
+      return request_limits_.refuse(RefusalCode::not_supported, std::move(reason));
+    }
     peer.token = token->id;
     peer.client = token->client;
-    return control::Authenticated{token->client, token->scene, token->role};
+    return control::Authenticated{token->client, token->scene, token->role, ours};
   }
   // Count only wrong tokens: guesses must not lock out a client of the same network with a valid
   // token.
@@ -142,13 +151,7 @@ void ControlService::join(PendingRequest asked, control::JoinRequest request) {
   const CipherSuite suite = request.aes_256_gcm && has_aes_256_gcm()
                                 ? CipherSuite::aes_256_gcm
                                 : CipherSuite::chacha20_poly1305;
-  SessionKeys keys;
-  try {
-    keys = asked.peer.keys(id, suite);
-  } catch (const std::exception& error) {
-    spdlog::error("{} could not join: {}", who, error.what());
-    return asked.answer(Refused{RefusalCode::not_supported, "this connection gives no keys"});
-  }
+  const SessionKeys keys = random_session_keys(suite);
   SceneHost& host = *hosts_[scene];
   directory_.enter(id, {.token = asked.token.id,
                         .client = asked.token.client,
@@ -161,12 +164,12 @@ void ControlService::join(PendingRequest asked, control::JoinRequest request) {
                         .fetches = TokenBucket(limits_.fetch_rate, limits_.fetch_burst)});
   if (!asked.token.seat.empty()) request.seat = asked.token.seat;
   request.lead_share = covers(request.role, Role::operator_) ? asked.token.lead_share : 0.0;
-  const auto finish = [this, id, scene, suite, who, version = visible(request.version),
+  const auto finish = [this, id, scene, keys, who, version = visible(request.version),
                        answer = std::move(asked.answer)](control::Message message) {
     const std::string& scene_name = hosts_[scene]->name();
     if (auto* accepted = std::get_if<control::JoinAccepted>(&message)) {
       accepted->port_offset = static_cast<std::uint16_t>(1 + scene);
-      accepted->suite = suite;
+      put_keys(keys, *accepted);
       if (ListedSession* seated = directory_.find(id)) seated->parameters = accepted->parameters;
       spdlog::info("{} joined scene {} with feltwire {}", who, scene_name,
                    version.empty() ? "of no known version" : version);

@@ -18,8 +18,10 @@
 
 #include "client/transport/control_client.hpp"
 #include "client/transport/transport.hpp"
+#include "protocol/session/protocol_versions.hpp"
 #include "protocol/wire/codec.hpp"
 #include "protocol/wire/guard.hpp"
+#include "protocol/wire/session_secrets.hpp"
 #include "tests/protocol/sealed.hpp"
 #include "tests/support/tls.hpp"
 
@@ -138,13 +140,20 @@ class ScenePeer {
   std::uint64_t packet_number_ = 0;
 };
 
+/// The answer with secrets for its session.
+inline control::JoinAccepted with_secrets(control::JoinAccepted accepted) {
+  put_keys(random_session_keys(accepted.suite), accepted);
+  return accepted;
+}
+
 /// A control port that accepts any token, answers the first request with the given bytes and
 /// closes. With no bytes it closes without an answer.
 class ControlPeer {
  public:
-  explicit ControlPeer(std::vector<std::uint8_t> answer) {
+  explicit ControlPeer(std::vector<std::uint8_t> answer, const ProtocolVersions& versions = {}) {
     ::listen(socket_.descriptor(), 1);
-    thread_ = std::thread([this, answer = std::move(answer)] { serve(answer); });
+    thread_ =
+        std::thread([this, answer = std::move(answer), versions] { serve(answer, versions); });
   }
   ~ControlPeer() {
     ::shutdown(socket_.descriptor(), SHUT_RDWR);
@@ -160,6 +169,11 @@ class ControlPeer {
     thread_.join();
     return request_;
   }
+  /// The versions that the client says it speaks.
+  ProtocolVersions greeted_by() {
+    if (thread_.joinable()) thread_.join();
+    return std::get<control::Authenticate>(greeting_.value()).versions;
+  }
   /// The next message of a client; empty if it closed or sent none.
   static std::optional<control::Message> read(test::TlsConnection& tls) {
     const auto prefix = tls.read(control::kFrameLengthSize);
@@ -170,15 +184,15 @@ class ControlPeer {
   }
 
  private:
-  void serve(const std::vector<std::uint8_t>& answer) {
+  void serve(const std::vector<std::uint8_t>& answer, const ProtocolVersions& versions) {
     const int connection = ::accept(socket_.descriptor(), nullptr, nullptr);
     if (connection < 0) return;
     LocalSocket::limit(connection);
     const test::TlsContext context = test::server_context(test::identity());
     {
       test::TlsConnection tls(context.get(), connection);
-      if (tls.accept() && read(tls)) {
-        tls.write(control::encode(control::Authenticated{"tester", "*", Role::admin}));
+      if (tls.accept() && (greeting_ = read(tls))) {
+        tls.write(control::encode(control::Authenticated{"tester", "*", Role::admin, versions}));
         request_ = read(tls);
         tls.write(answer);
       }
@@ -188,7 +202,7 @@ class ControlPeer {
   }
 
   LocalSocket socket_{SOCK_STREAM};
-  std::optional<control::Message> request_;
+  std::optional<control::Message> greeting_, request_;
   std::thread thread_;
 };
 

@@ -24,7 +24,19 @@ struct Texts {
     add(m.device.name);
     add(m.parameters.mode);
   }
-  void operator()(const control::JoinAccepted& m) { add(m.tool); }
+  void operator()(const control::JoinAccepted& m) {
+    add(m.tool);
+    add(std::string(m.secret_up.text()));
+    add(std::string(m.secret_down.text()));
+  }
+  void operator()(const control::DescribeShapes& m) { add(m.scene); }
+  void operator()(const control::GetShape& m) { add(m.scene); }
+  void operator()(const control::ShapeDescriptions& m) {
+    add(m.scene);
+    for (const control::ShapeDescription& shape : m.shapes)
+      for (const std::string& text : {shape.name, shape.shape, shape.material, shape.action})
+        add(text);
+  }
   void operator()(const control::SceneList& m) {
     for (const control::SceneEntry& scene : m.scenes) add(scene.name);
   }

@@ -13,6 +13,7 @@
 
 #include "protocol/wire/control.hpp"
 #include "protocol/wire/datagram.hpp"
+#include "protocol/wire/session_secrets.hpp"
 #include "tests/support/tls.hpp"
 
 namespace feltwire::test {
@@ -111,9 +112,9 @@ class ControlClient {
     return std::get<Answer>(*answer);
   }
   JoinedBy join(const control::JoinRequest& request) {
-    const auto accepted = ask<control::JoinAccepted>(request);
-    return {accepted, static_cast<std::uint16_t>(port_ + accepted.port_offset),
-            export_keys(*tls_.native(), accepted.session, accepted.suite)};
+    auto accepted = ask<control::JoinAccepted>(request);
+    const SessionKeys keys = take_keys(accepted);
+    return {accepted, static_cast<std::uint16_t>(port_ + accepted.port_offset), keys};
   }
   bool closed() { return tls_.read(1).empty(); }
 

@@ -53,7 +53,7 @@ TEST(Join, AsksForWhatWasWantedAndFindsTheScenePort) {
   accepted.silence_timeout = 2.0;
   accepted.parameters.mode = "per_axis";
   accepted.parameters.redundancy = 5;
-  ControlPeer peer(control::encode(accepted));
+  ControlPeer peer(control::encode(testing::with_secrets(accepted)));
 
   control::JoinRequest wanted = request();
   wanted.parameters.mode = accepted.parameters.mode;
@@ -88,9 +88,30 @@ TEST(Join, AToolThatTheServerDoesNotGiveIsNoSession) {
   EXPECT_THAT(error_of<LastingError>([&] { join(ignorant.access(), wanted, kPatience); }),
               HasSubstr("knows of no tools to choose from; join without naming one"));
   accepted.tool = "key";
-  ControlPeer peer(control::encode(accepted));
+  ControlPeer peer(control::encode(testing::with_secrets(accepted)));
   EXPECT_EQ(join(peer.access(), wanted, kPatience).accepted.tool, "key");
   EXPECT_EQ(std::get<control::JoinRequest>(peer.request().value()).tool, "key");
+}
+
+TEST(Join, AServerOfAnotherVersionIsSaidInOneLine) {
+  struct Case {
+    ProtocolVersions server;
+    const char* said;
+  };
+  const std::vector<Case> cases = {
+      {{.newest = 1, .oldest = 1},
+       "speaks version 1 of the feltwire protocol, this client version 2; install a newer server"},
+      {{.newest = 5, .oldest = 3},
+       "speaks versions 3 to 5 of the feltwire protocol, this client version 2; install a newer "
+       "client"}};
+  for (const Case& c : cases) {
+    ControlPeer peer({}, c.server);
+    const std::string said =
+        error_of<LastingError>([&] { join(peer.access(), request(), kPatience); });
+    EXPECT_THAT(said, HasSubstr(c.said));
+    EXPECT_EQ(said.find('\n'), std::string::npos);
+    EXPECT_EQ(peer.greeted_by(), ProtocolVersions{});
+  }
 }
 
 TEST(Join, ARefusalBringsTheServersReason) {

@@ -37,7 +37,7 @@ control::JoinAccepted offer(const SessionParameters& parameters = {}) {
   offered.port_offset = 1;
   offered.silence_timeout = 2.0;
   offered.parameters = parameters;
-  return offered;
+  return testing::with_secrets(offered);
 }
 
 /// Returns the error of join() for an offer, or an empty text if join() accepts the offer.

@@ -98,7 +98,7 @@ TEST(Reconnector, AnAttemptUnderWayBringsNoSessionWithTheLawBefore) {
   accepted.port_offset = 1;
   accepted.silence_timeout = 2.0;
   for (const bool changes : {false, true}) {
-    testing::ControlPeer peer(control::encode(accepted));
+    testing::ControlPeer peer(control::encode(testing::with_secrets(accepted)));
     Ring<SessionAddress> sessions(2);
     Reconnector reconnector(peer.access(), anyone(), sessions, {.timeout = 10s});
     Reconnector::Clock::time_point now{};

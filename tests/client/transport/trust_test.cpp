@@ -2,9 +2,9 @@
 
 #include <gmock/gmock.h>
 
-#include <future>
-
 #include "core/base/pending_file.hpp"
+#include "protocol/session/protocol_versions.hpp"
+#include "protocol/wire/session_secrets.hpp"
 #include "tests/client/loopback.hpp"
 #include "tests/client/peer.hpp"
 #include "tests/client/temporary_folder.hpp"
@@ -150,40 +150,74 @@ TEST_F(Trust, EachJoinHasKeysOfItsOwn) {
                                  one.keys.down, two.keys.up,    two.keys.down};
   for (std::size_t i = 0; i < keys.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) EXPECT_NE(keys[i], keys[j]);
-  // The keys depend on the cipher suite. A changed suite in the answer must give other keys.
-  const auto other = one.accepted.suite == CipherSuite::aes_256_gcm ? CipherSuite::chacha20_poly1305
-                                                                    : CipherSuite::aes_256_gcm;
-  EXPECT_NE(export_keys(*raw.tls().native(), one.accepted.session, other).up, one.keys.up);
+  EXPECT_TRUE(ours.accepted.secret_up.empty());
+  EXPECT_TRUE(ours.accepted.secret_down.empty());
 }
 
-TEST(Keys, WhatTheServerExportsTheClientHas) {
-  const control::JoinRequest wanted = request();
-  std::promise<SessionKeys> exported;
-  asio::io_context io{1};
-  ControlEndpoint endpoint(
-      io, {.address = asio::ip::make_address("127.0.0.1")}, test::identity(), {},
-      [&](ControlPeer& peer, const control::Message& message, const auto& answer) {
-        peer.token = "some";
-        if (std::holds_alternative<control::Authenticate>(message))
-          return answer(control::Authenticated{});
-        control::JoinAccepted accepted;
-        accepted.session = 0x1234;
-        accepted.port_offset = 1;
-        accepted.parameters = wanted.parameters;
-        accepted.silence_timeout = 1.0;
-        exported.set_value(peer.keys(accepted.session, accepted.suite));
-        answer(accepted);
-      });
-  endpoint.start();
-  std::thread thread([&] { io.run(); });
-  const Joined joined = join(test::access(endpoint.port()), wanted, kPatience);
-  const SessionKeys theirs = exported.get_future().get();
-  EXPECT_EQ(joined.keys.up, theirs.up);
-  EXPECT_EQ(joined.keys.down, theirs.down);
+/// Shows a valid token of a client that speaks these versions. Returns the answer.
+control::Message answer_to(const ProtocolVersions& versions, std::uint16_t port) {
+  test::ControlClient client(port, AF_INET, Secret());
+  client.send(control::Authenticate{test::admin_token().text, versions});
+  const auto answer = client.receive();
+  if (!answer || !std::holds_alternative<control::Authenticated>(*answer)) {
+    EXPECT_TRUE(client.closed());
+  }
+  return answer.value();
+}
+
+TEST_F(Trust, AClientOfAnotherVersionIsToldWhy) {
+  const auto reason = [&](const ProtocolVersions& versions) {
+    const auto refused = std::get<control::Refused>(answer_to(versions, server->control_port()));
+    EXPECT_EQ(refused.code, control::RefusalCode::not_supported);
+    return refused.reason;
+  };
+  EXPECT_EQ(reason({.newest = 1, .oldest = 1}),
+            "this client speaks version 1 of the feltwire protocol, this server version 2; install "
+            "a newer client");
+  EXPECT_EQ(reason({.newest = 9, .oldest = 7}),
+            "this client speaks versions 7 to 9 of the feltwire protocol, this server version 2; "
+            "install a newer server");
+  const auto greeting = std::get<control::Authenticated>(
+      answer_to({.newest = 9, .oldest = 1}, server->control_port()));
+  EXPECT_EQ(greeting.versions, ProtocolVersions{});
+}
+
+/// Returns an answer with these secrets to any request.
+control::JoinAccepted answer_with(const SessionKeys& keys) {
+  control::JoinAccepted accepted;
+  accepted.session = 0x1234;
+  accepted.port_offset = 1;
+  accepted.parameters = request().parameters;
+  accepted.silence_timeout = 1.0;
+  put_keys(keys, accepted);
+  return accepted;
+}
+
+TEST(Keys, TheClientHasTheSecretsOfTheAnswer) {
+  const SessionKeys keys = random_session_keys(CipherSuite::chacha20_poly1305);
+  testing::ControlPeer peer(control::encode(answer_with(keys)));
+  const Joined joined = join(peer.access(), request(), kPatience);
+  EXPECT_EQ(joined.keys.up, keys.up);
+  EXPECT_EQ(joined.keys.down, keys.down);
   EXPECT_NE(joined.keys.up, joined.keys.down);
-  EXPECT_EQ(joined.keys.suite, theirs.suite);
-  io.stop();
-  thread.join();
+  EXPECT_EQ(joined.keys.suite, keys.suite);
+}
+
+TEST(Keys, AnswersWithoutGoodSecretsMakeNoSession) {
+  const SessionKeys keys = random_session_keys(CipherSuite::chacha20_poly1305);
+  const auto said_of = [](const control::JoinAccepted& answer) {
+    testing::ControlPeer peer(control::encode(answer));
+    return error_of<LastingError>([&] { join(peer.access(), request(), kPatience); });
+  };
+  control::JoinAccepted none = answer_with(keys), shorter = none, longer = none, equal = none;
+  none.secret_up = Secret();
+  shorter.secret_up = Secret(std::string(kKeySize - 1, 'x'));
+  longer.secret_down = Secret(std::string(kKeySize + 1, 'x'));
+  equal.secret_down = equal.secret_up;
+  EXPECT_THAT(said_of(none), HasSubstr("secret_up has 0 bytes; 32 are needed"));
+  EXPECT_THAT(said_of(shorter), HasSubstr("secret_up has 31 bytes; 32 are needed"));
+  EXPECT_THAT(said_of(longer), HasSubstr("secret_down has 33 bytes; 32 are needed"));
+  EXPECT_THAT(said_of(equal), HasSubstr("secret_up and secret_down are equal"));
 }
 
 /// A server with a token for each role.
