@@ -2,8 +2,8 @@
 import math
 from concurrent.futures import ThreadPoolExecutor
 
-import openssl
 import sealing
+import tls13
 from checks import check, expect
 from control import CODES
 from model_admin import Refusal
@@ -47,7 +47,7 @@ def pinned(subject):
 
 @check("C-103", "TLS 1.3 only; no tickets, no resumption, no early data.")
 def only_tls13(subject):
-    server = ModelServer(roles=("operator",), version=openssl.TLS12)
+    server = ModelServer(roles=("operator",), version=tls13.TLS12)
     with stage(subject, server=server, duration=1) as scene:
         status, _ = scene.run.wait()
         expect(status != 0 and not server.requests, f"exit status {status}, requests {server.requests}")
@@ -94,6 +94,34 @@ def granted(**fields):
         parameters = {**joined["parameters"], **{name: value for name, value in fields.items() if name in joined["parameters"]}}
         return {**joined, **{name: value for name, value in fields.items() if name not in parameters}, "parameters": parameters}
     return grant
+
+
+@check("C-109", """A client that speaks no version of the server makes no session; it says the versions of both, and does not ask again.""")
+def old_server(subject):
+    server = ModelServer(roles=("operator",))
+    server.versions = {}  # as programs of version 1
+    with stage(subject, server=server, reconnect=5, duration=3) as scene:
+        status, output = scene.run.wait()
+        told = scene.requests("Authenticate")[0]
+        expect(told.newest_protocol >= 2 and told.oldest_protocol <= told.newest_protocol, f"the client says its versions as {told}")
+        expect(status != 0 and not server.datagrams, f"exit status {status}, {len(server.datagrams)} datagrams")
+        expect(server.connections == 1, f"it connected {server.connections} times")
+        expect("version 1" in output, f"it does not say why: {output.strip()[-200:]}")
+    return output.strip()[-150:]
+
+
+@check("C-110", """A client makes no session if one has another length, or if both are equal; it names the field, and does not ask again.""")
+def wrong_secrets(subject):
+    good = bytes(range(sealing.SECRET))
+    wrong = [{"secret_up": good[1:]}, {"secret_down": good + b"x"}, {"secret_up": None}, {"secret_up": good, "secret_down": good}]
+
+    def one(fields):
+        status, output, connections, datagrams, _ = ends_refused(subject, grant=lambda joined: {**joined, **fields})
+        expect(status != 0 and datagrams == 0 and connections == 1, f"{fields}: exit status {status}, {datagrams} datagrams, {connections} joins")
+        expect(next(iter(fields)) in output, f"{fields}: it does not say why: {output.strip()[-200:]}")
+    with ThreadPoolExecutor(AT_ONCE) as pool:
+        list(pool.map(one, wrong))
+    return f"{len(wrong)} answers with secrets of 31, 33 and no bytes, and with two equal ones, make no session"
 
 
 @check("C-106", "For any other answer the client makes no session: it names the field, the requested and the granted value, and does not ask "
@@ -211,7 +239,7 @@ def previous(subject):
     return f"the index before the oldest of {len(datagrams)} datagrams"
 
 
-@check("C-206", "The suite is 1 where both CPUs have AES, else 2.")
+@check("C-206", "The suite is 1 (AES-256-GCM) where both CPUs have AES, else 2 (ChaCha20-Poly1305).")
 def suites(subject):
     for suite in (1, 2):
         with stage(subject, suite=suite, duration=300) as scene:

@@ -2,9 +2,9 @@
 import struct
 
 import flat
-import openssl
+import tls13
 from checks import check, expect
-from control import CODES, Control, Refused, frame, join_request, read_frame
+from control import CODES, VERSIONS, Control, Refused, frame, join_request, read_frame
 from hand import Hand
 from schema import CONTROL, DATAGRAM, Schema
 
@@ -35,16 +35,16 @@ def with_control(role):
 
 @check("S-101", "TLS 1.3 only; no tickets, no resumption, no early data.")
 def only_tls13(server):
-    for version in (0x0302, openssl.TLS12):
+    for version in (tls13.TLS11, tls13.TLS12):
         try:
             Control(server, version=version).close()
-        except openssl.Closed:
+        except tls13.Closed:
             continue
-        expect(False, f"version {version:#x} was accepted")
+        expect(False, f"{version.name} was accepted")
     control = server.control("operator")
     control.ask("ListScenes")
-    expect(control.tls.version() == openssl.TLS13, f"version {control.tls.version():#x}")
-    expect(control.tls.tickets == 0, f"{control.tls.tickets} tickets came")
+    expect(control.tls.version() == "TLSv1.3", f"version {control.tls.version()}")
+    expect(not control.tls.has_ticket(), "a ticket came")
     expect(control.tls.fingerprint() == server.fingerprint, "another certificate than the fingerprint says")
     control.close()
     return "TLS 1.2 and 1.1 are closed, TLS 1.3 is taken, no ticket came with the first answers"
@@ -71,7 +71,7 @@ def frame_lengths(server):
         expect(control.closes(), f"the connection stays open after a length of {size}")
         control.close()
     control = server.control()
-    message = frame(("Authenticate", {"token": server.token("operator")}))[4:]
+    message = frame(("Authenticate", {"token": server.token("operator"), **VERSIONS}))[4:]
     kind, value = control.raw(struct.pack("<I", 512) + message + bytes(512 - len(message)))
     expect(kind == "Authenticated", f"512 bytes before the token: {kind} {value}")
     message = frame(("ListScenes", {}))[4:]
@@ -132,7 +132,7 @@ def one_answer_each(server, control):
     try:
         extra = read_frame(control.tls)
         expect(False, f"one more answer: {extra}")
-    except openssl.Silent:
+    except tls13.Silent:
         return "four requests in one write got four answers in their order, and no more"
 
 
@@ -285,6 +285,46 @@ def unknown_fields(server):
     expect(hand.reply()[1].sample_index == 1, "samples with more fields were not answered")
     hand.close()
     return "a JoinRequest and a Samples with two fields more, and bytes behind them, are read as without"
+
+
+@check("S-119", """A server that speaks no version of the client answers a good token with `Refused`, not_supported, and a reason that names the
+       versions of both;""")
+def versions(server):
+    for old in ({}, {"newest_protocol": 1, "oldest_protocol": 1}, {"newest_protocol": 1000, "oldest_protocol": 1000}):
+        control = server.control()
+        reason = refused("not_supported", control, "Authenticate", token=server.token("operator"), **old)
+        expect(f"version {old.get('newest_protocol', 1)}" in reason and "2" in reason, f"the reason is: {reason}")
+        expect(control.closes(), "the connection stays open after a version that is not spoken")
+        control.close()
+    control = server.control()
+    refused("malformed", control, "Authenticate", token=server.token("operator"), newest_protocol=2, oldest_protocol=3)
+    control.close()
+    control = server.control()
+    refused("unauthenticated", control, "Authenticate", token="hello")  # a version is no token
+    control.close()
+    control = server.control()
+    told = control.ask("Authenticate", token=server.token("operator"), newest_protocol=1000, oldest_protocol=1)
+    expect(told.oldest_protocol <= 2 <= told.newest_protocol, f"the server says its versions as {told}")
+    control.close()
+    return reason
+
+
+@check("S-120", "Each has 32 bytes of the system's random numbers, made anew for each join.")
+def secrets(server):
+    control, found = server.control("operator"), []
+    for _ in range(3):
+        hand = Hand(server, control=control)
+        found += [bytes(hand.joined.secret_up or []), bytes(hand.joined.secret_down or [])]
+        control.ask("LeaveRequest", session=hand.session)
+        hand.socket.close()
+    control.close()
+    hand = Hand(server)
+    found += [bytes(hand.joined.secret_up or []), bytes(hand.joined.secret_down or [])]
+    hand.close()
+    expect(all(len(one) == 32 for one in found), f"lengths {[len(one) for one in found]}")
+    expect(len(set(found)) == len(found), "two secrets are equal")
+    expect(all(len(set(one)) > 8 for one in found), "a secret is not random")  # 32 random bytes have so few values once in 1e15
+    return "three joins by one connection and one by another have 8 different secrets of 32 bytes"
 
 
 @check("S-114", "each may what those before it may.")

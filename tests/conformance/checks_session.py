@@ -335,7 +335,7 @@ def own_keys(server):
     return "six secrets of three joins; a datagram with the keys of another session is dropped"
 
 
-@check("S-321", "The suite is 1 where both CPUs have AES, else 2.")
+@check("S-321", "The suite is 1 (AES-256-GCM) where both CPUs have AES, else 2 (ChaCha20-Poly1305).")
 def suites(server):
     hand = Hand(server, aes_256_gcm=False)
     try:

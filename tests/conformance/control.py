@@ -3,14 +3,15 @@ import socket
 import struct
 
 import flat
-import openssl
 import patience
+import tls13
 from schema import CONTROL
 
 CODES = CONTROL.enums["RefusalCode"].values
 ROLES = CONTROL.enums["Role"].values
 SIDES = CONTROL.enums["BoundingSide"].values
 
+VERSIONS = {"newest_protocol": 2, "oldest_protocol": 2}  # that these checks and models speak
 DEVICE = {"name": "probe", "damping": 5.0, "apparent_mass": 0.1, "position_resolution": 1e-5, "max_force": 8.0, "continuous_force": 3.0,
           "workspace": (0.3, 0.3, 0.3)}
 PARAMETERS = {"mode": "none", "side": SIDES["client"], "redundancy": 0}
@@ -30,27 +31,19 @@ def read_frame(tls):
 class Control:
     """A connection to a server's control port. With a token it authenticates at once."""
 
-    def __init__(self, server, token=None, version=openssl.TLS13):
+    def __init__(self, server, token=None, version=tls13.TLS13):
         sock = socket.create_connection((server.host, server.port), timeout=patience.LONGEST)
-        self.set_patience(sock, patience.LONGEST)
-        self.sock, self.server = sock, server
+        self.server = server
         try:
-            self.tls = openssl.Tls(sock, version=version)
+            self.tls = tls13.Tls(sock, version=version)
         except Exception:
             sock.close()
             raise
         if token is not None:
-            self.identity = self.ask("Authenticate", token=token)
-
-    @staticmethod
-    def set_patience(sock, seconds):
-        sock.settimeout(None)
-        time = struct.pack("@ll", int(seconds), int(seconds % 1 * 1e6))
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, time)
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, time)
+            self.identity = self.ask("Authenticate", token=token, **VERSIONS)
 
     def patience(self, seconds):
-        self.set_patience(self.sock, seconds)
+        self.tls.patience(seconds)
 
     def ask_any(self, name, **fields):
         """The answer of any kind, as (name, value)."""
@@ -73,9 +66,9 @@ class Control:
         """The server closes the connection, within the patience."""
         try:
             self.tls.receive(1)
-        except openssl.Closed:
+        except tls13.Closed:
             return True
-        except openssl.Silent:
+        except tls13.Silent:
             return False
         return False
 

@@ -7,3 +7,4 @@ import checks_datagram  # noqa: F401
 import checks_roles  # noqa: F401
 import checks_robots  # noqa: F401
 import checks_session  # noqa: F401
+import checks_shapes  # noqa: F401

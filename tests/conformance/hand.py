@@ -22,7 +22,7 @@ class Hand:
             more.setdefault("role", server.role_number(role))
         self.joined = self.control.ask("JoinRequest", **join_request(scene, device, parameters, **more))
         self.session, self.suite = self.joined.session, self.joined.suite
-        self.up, self.down = sealing.keys_of(self.control.tls, self.session, self.suite)
+        self.up, self.down = sealing.keys_of(self.joined)
         self.port = server.port + self.joined.port_offset
         self.packet, self.index, self.time = 0, 0, time.monotonic_ns()
         self.socket = self.new_socket()

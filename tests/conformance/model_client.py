@@ -12,9 +12,9 @@ import time
 
 sys.dont_write_bytecode = True
 import flat  # noqa: E402
-import openssl  # noqa: E402
 import sealing  # noqa: E402
-from control import DEVICE, Control, Refused, join_request  # noqa: E402
+import tls13  # noqa: E402
+from control import DEVICE, VERSIONS, Control, Refused, join_request  # noqa: E402
 from grants import same, wrong_grant  # noqa: E402
 from model_session import finite  # noqa: E402
 from schema import DATAGRAM  # noqa: E402
@@ -156,7 +156,9 @@ class Force:
 class Session:
     def __init__(self, address, control, joined, options, wrong):
         self.joined, self.options, self.wrong, self.session = joined, options, wrong, joined.session
-        self.up, down = sealing.keys_of(control.tls, joined.session, joined.suite)
+        self.up, down = sealing.keys_of(joined)
+        if wrong == "wrong_secret":
+            self.up = sealing.Keys(joined.suite, bytes(sealing.SECRET))
         if wrong == "keys_swapped":
             self.up, down = down, self.up
         self.gate = Gate(joined.session, down, wrong)
@@ -259,7 +261,7 @@ class Session:
 
 def join(address, options, wrong, before):
     """A session of a server that is trusted and whose grant is taken."""
-    control = Control(address, version=openssl.TLS12 if wrong == "tls12" else openssl.TLS13)
+    control = Control(address, version=tls13.TLS12 if wrong == "tls12" else tls13.TLS13)
     if control.tls.fingerprint() != options.fingerprint and wrong != "pin_ignored":
         raise Final("fingerprint: the certificate is not the one that is trusted")
     parameters = {"mode": "none", "servo_period": 1 / options.rate, "hold_time": options.hold_time, "redundancy": options.redundancy}
@@ -271,10 +273,18 @@ def join(address, options, wrong, before):
         request["device"]["name"] = "n" * 129
     if wrong == "joins_first":
         control.ask("JoinRequest", **request)
-    control.ask("Authenticate", token=token)
+    told = control.ask("Authenticate", token=token, **({} if wrong == "versions_unsaid" else VERSIONS))
+    if not told.oldest_protocol <= VERSIONS["newest_protocol"] <= told.newest_protocol and wrong != "any_server_version":
+        raise Final(f"the server speaks version {told.newest_protocol} of the protocol, this client version {VERSIONS['newest_protocol']}")
     joined = control.ask("JoinRequest", **request)
     if wrong == "always_aes":
         joined["suite"] = 1
+    if wrong != "any_secret":
+        for name in ("secret_up", "secret_down"):
+            if len(joined[name] or []) != sealing.SECRET:
+                raise Final(f"{name} has not {sealing.SECRET} bytes")
+        if joined.secret_up == joined.secret_down:
+            raise Final("secret_up and secret_down are equal")
     problem = None if wrong == "takes_any_grant" else wrong_grant(request, joined)
     taken = {"takes_longer_hold": "hold_time", "takes_any_tool": "tool"}.get(wrong)
     if problem and not (taken and problem.startswith(taken)):
@@ -297,7 +307,7 @@ def main():
     while True:
         try:
             session, before = join(address, options, options.wrong, before)
-        except (Final, Refused, OSError, openssl.Closed, openssl.Silent) as error:
+        except (Final, Refused, OSError, tls13.Closed, tls13.Silent) as error:
             healing = not isinstance(error, Final) and getattr(error, "code", "full") in HEALING
             if (healing or options.wrong == "asks_again") and time.monotonic() - lost < options.reconnect:
                 time.sleep(0.05)

@@ -5,7 +5,8 @@ import time
 
 import flat
 import model_admin
-from control import CODES, ROLES, frame
+import sealing
+from control import CODES, ROLES, VERSIONS, frame
 from model_admin import Refusal
 from model_ranges import wrong_device, wrong_parameter
 from model_session import Session
@@ -14,6 +15,7 @@ from schema import CONTROL
 REQUESTS = ("JoinRequest", "LeaveRequest", "ListScenes", "SetParameters", "Evict", "ListSessions", "GetCounters", "Authenticate",
             *model_admin.ANSWERS)
 ADMINS = ("Evict", "ListSessions", "GetCounters", *model_admin.ADMINS)
+VERSION = VERSIONS["newest_protocol"]
 ABOVE = {"observer": 0, "pointer": 1, "operator": 2, "admin": 3}
 NAMES = {number: name for name, number in ROLES.items()}
 
@@ -69,11 +71,16 @@ class Connection:
         return getattr(self, "on_" + name)(value)
 
     def authenticate(self, value):
+        if value.oldest_protocol > value.newest_protocol:
+            raise Refusal("malformed", "versions")
         for role, token in self.server.tokens.items():
             if value.token == token:
+                if not value.oldest_protocol <= VERSION <= value.newest_protocol and "any_client_version" not in self.server.wrong:
+                    raise Refusal("not_supported", f"this client speaks version {value.newest_protocol} of the protocol, this server {VERSION}")
                 self.role, self.client = {"other": "operator"}.get(role, role), f"{role}-client"
                 told = "operator" if "role_hidden" in self.server.wrong else self.role
-                return "Authenticated", {"client": self.client, "scene": "*", "role": ROLES[told]}
+                versions = self.server.versions if "version_hidden" not in self.server.wrong else {}
+                return "Authenticated", {"client": self.client, "scene": "*", "role": ROLES[told], **versions}
         known = any(token[:15] == value.token[:15] for token in self.server.tokens.values())
         raise Refusal("unauthenticated", "wrong secret" if known and "token_told" in self.server.wrong else "no valid token")
 
@@ -111,15 +118,29 @@ class Connection:
         if "hold_lengthened" in server.wrong:
             parameters["hold_time"] = min(1.0, 2 * parameters["hold_time"])
         answer = server.grant({"session": number, "port_offset": 1, "parameters": parameters, "silence_timeout": server.silence_timeout,
-                               "start_normal": (0.0, 0.0, 1.0), "start_position": (0.0, 0.0, 0.0), "stiffness": 600.0, "suite": suite})
+                               "start_normal": (0.0, 0.0, 1.0), "start_position": (0.0, 0.0, 0.0), "stiffness": 600.0, "suite": suite, **self.secrets()})
         if answer["session"]:
-            server.sessions[number] = Session(number, self.client, role, answer["parameters"], self.tls, suite, server.silence_timeout,
-                                              server.wrong)
+            keys = [sealing.Keys(suite, bytes(answer[name] or b"")) for name in ("secret_up", "secret_down")]
+            if "wrong_secret" in server.wrong:
+                keys[1] = sealing.Keys(suite, secrets.token_bytes(sealing.SECRET))
+            server.sessions[number] = Session(number, self.client, role, answer["parameters"], keys, server.silence_timeout, server.wrong)
             server.sessions[number].request, server.hands = value, server.hands + 1
             server.sessions[number].place = server.hands
             self.joined.append(number)
             server.count("sessions_served")
         return "JoinAccepted", answer
+
+    def secrets(self):
+        """The secrets of a new session."""
+        server = self.server
+        up, down = secrets.token_bytes(sealing.SECRET), secrets.token_bytes(sealing.SECRET)
+        if "secrets_reused" in server.wrong:
+            up, down = server.first_secrets = getattr(server, "first_secrets", (up, down))
+        if "secrets_equal" in server.wrong:
+            down = up
+        if "secret_short" in server.wrong:
+            up = up[1:]
+        return {"secret_up": up, "secret_down": down}
 
     def session(self, number):
         """A session that this connection's token may speak for."""

@@ -11,9 +11,9 @@ import time
 
 import flat
 import model_admin
-import openssl
+import tls13
 import sealing
-from control import ROLES, Control
+from control import ROLES, VERSIONS, Control
 from model_control import Connection
 from model_session import Dropped
 from schema import DATAGRAM
@@ -23,14 +23,15 @@ class ModelServer:
     has = ("changes", "materials", "limits", "models")
     most_sessions, burst = model_admin.OF_THE_SCENE, model_admin.BURST
 
-    def __init__(self, wrong=(), silence=4.0, suite=None, roles=("observer", "pointer", "operator", "admin", "other"), version=openssl.TLS13):
+    def __init__(self, wrong=(), silence=4.0, suite=None, roles=("observer", "pointer", "operator", "admin", "other"), version=tls13.TLS13):
         self.wrong, self.silence_timeout, self.scene, self.suite, self.version = set(wrong), silence, "plane", suite, version
-        self.identity = openssl.Identity()
+        self.identity = tls13.Identity()
         self.fingerprint = self.identity.fingerprint
         self.tokens = {role: f"fw_{secrets.token_hex(6)}_{secrets.token_hex(32)}" for role in roles}
         self.sessions, self.ended, self.counts = {}, [], {}
         self.stiffness, self.scene_version, self.changes, self.hands, self.questions = 600.0, 1, 0, 0, {}
         self.requests, self.arrived, self.datagrams, self.connections = [], [], [], 0
+        self.versions = dict(VERSIONS)  # that it tells
         self.grant = lambda joined: joined
         self.answer = None  # (session, table) -> more fields of the reply, or a list of datagrams, or None: the usual one
         self.lock, self.running, self.threads = threading.RLock(), True, []
@@ -217,17 +218,17 @@ class ModelServer:
             self._start(self._serve_connection, sock)
 
     def _serve_connection(self, sock):
-        Control.set_patience(sock, 60)
+        sock.settimeout(60)
         try:
-            tls = openssl.Tls(sock, self.identity, openssl.TLS12 if "tls12" in self.wrong else self.version)
-        except (openssl.Closed, openssl.Silent):
+            tls = tls13.Tls(sock, self.identity, tls13.TLS12 if "tls12" in self.wrong else self.version)
+        except (tls13.Closed, tls13.Silent):
             sock.close()
             return
         connection = Connection(self, tls)
         try:
             while self.running and connection.serve():
                 pass
-        except (openssl.Closed, openssl.Silent):
+        except (tls13.Closed, tls13.Silent):
             pass
         if "session_of_connection" in self.wrong:
             with self.lock:

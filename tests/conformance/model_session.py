@@ -30,9 +30,9 @@ def finite(value):
 
 
 class Session:
-    def __init__(self, number, client, role, parameters, tls, suite, silence, wrong):
+    def __init__(self, number, client, role, parameters, keys, silence, wrong):
         self.number, self.client, self.role, self.parameters, self.silence, self.wrong = number, client, role, parameters, silence, wrong
-        self.up, self.down = sealing.keys_of(tls, number, suite)
+        self.up, self.down = keys
         self.highest, self.seen, self.opened = 0, set(), False
         self.packet, self.newest, self.last = 0, 0, None
         self.address, self.address_packet = None, 0

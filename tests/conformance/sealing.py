@@ -3,11 +3,13 @@ import hashlib
 import hmac
 import struct
 
-import openssl
+from cryptography.exceptions import InvalidTag
+from cryptography.hazmat.primitives.ciphers.aead import AESGCM, ChaCha20Poly1305
 
 SAMPLES, REPLY, GOODBYE = 1, 2, 3
 UP, DOWN = 0, 1
-LABEL = b"EXPORTER-feltwire-datagrams"
+CIPHERS = {1: AESGCM, 2: ChaCha20Poly1305}
+SECRET = 32  # [bytes]
 GENERATION = 1 << 22  # datagrams with one key
 
 
@@ -39,18 +41,20 @@ class Keys:
 
     def seal(self, head, payload, nonce=None):
         packet = struct.unpack_from("<Q", head, 16)[0]
-        return head + openssl.seal(self.suite, self.key(packet >> 22), nonce or self.nonce(packet), head, payload)
+        return head + CIPHERS[self.suite](self.key(packet >> 22)).encrypt(nonce or self.nonce(packet), payload, head)
 
     def open(self, datagram):
         """The payload; None if the seal is wrong."""
         packet = struct.unpack_from("<Q", datagram, 16)[0]
-        return openssl.open_sealed(self.suite, self.key(packet >> 22), self.nonce(packet), datagram[:24], datagram[24:])
+        try:
+            return CIPHERS[self.suite](self.key(packet >> 22)).decrypt(self.nonce(packet), datagram[24:], datagram[:24])
+        except InvalidTag:
+            return None
 
 
-def keys_of(tls, session, suite):
-    """(up, down) of a session that was joined by this connection."""
-    material = tls.export(LABEL, struct.pack("<QB", session, suite), 64)
-    return Keys(suite, material[:32]), Keys(suite, material[32:])
+def keys_of(joined):
+    """(up, down) of a session, by its JoinAccepted."""
+    return Keys(joined.suite, bytes(joined.secret_up)), Keys(joined.suite, bytes(joined.secret_down))
 
 
 class Head:

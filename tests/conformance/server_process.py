@@ -18,9 +18,10 @@ class Server:
     """What the checks need of a server: host, port, scene, fingerprint, tokens by role, and the end."""
 
     host = "127.0.0.1"
-    has = ("changes", "materials", "limits", "models", "surfaces", "tools", "robots", "tokens", "slow")
-    scenes = ("scenes/plane.json", "scenes/bunny.json", "scenes/mallet.json", "scenes/teleoperation/seat.json")
-    offsets = {"plane": 1, "bunny": 2, "mallet": 3, "seat": 4}
+    has = ("changes", "materials", "limits", "models", "surfaces", "tools", "robots", "tokens", "slow", "shapes")
+    scenes = ("scenes/plane.json", "scenes/bunny.json", "scenes/mallet.json", "scenes/teleoperation/seat.json",
+              "tests/conformance/shapes.json")
+    offsets = {"plane": 1, "bunny": 2, "mallet": 3, "seat": 4, "shapes": 5}
     most_sessions = 20
     burst = 200  # of joins, changes and questions: the checks make more of them than a client does
     tokens_of = {  # name -> role, scene
