@@ -81,6 +81,7 @@ static void close_handle(void* device) { free(device); }
 const feltwire_device_v1* feltwire_device(void) {
   static const feltwire_device_v1 functions = {
       FELTWIRE_DEVICE_VERSION, sizeof functions, open_handle, NULL, read_handle, write_handle, release_handle, close_handle,
-      NULL /* actuation_lag: unknown; feltwire-client identify measures it */};
+      NULL /* actuation_lag: unknown; feltwire-client identify measures it */,
+      NULL /* transmission: unknown */};
   return &functions;
 }

@@ -16,10 +16,6 @@
 
 namespace feltwire {
 
-/// The body that the encoder measures.
-enum class EncoderSide : std::uint8_t { motor, handle };
-inline constexpr std::array<std::string_view, 2> kEncoderSideNames = {"motor", "handle"};
-
 /// The numbers that a specification (DeviceSpec) does not have: mass, damping, dry friction,
 /// encoder quantum and largest force are those of the device. The defaults are a rigid device
 /// without lag, which a hand holds without a pad.

@@ -74,6 +74,11 @@ LagKind lag_kind(const JsonDocument& document, const flatbuffers::String* name) 
   return document.choice<LagKind>("actuation_kind", name->string_view(), kLagKindNames);
 }
 
+EncoderSide encoder_side(const JsonDocument& document, const flatbuffers::String* name) {
+  if (name == nullptr) return EncoderSide::motor;
+  return document.choice<EncoderSide>("encoder_side", name->string_view(), kEncoderSideNames);
+}
+
 SpecSources sources_of(const device_file::DeviceSpec& given) {
   SpecSources sources;
   const auto* said = given.sources();
@@ -100,6 +105,8 @@ SpecSources sources_of(const device_file::DeviceSpec& given) {
           {"late_ticks", &FileSources::late_ticks},
           {"actuation_lag", &FileSources::actuation_lag},
           {"actuation_kind", &FileSources::actuation_kind},
+          {"transmission_stiffness", &FileSources::transmission_stiffness},
+          {"encoder_side", &FileSources::encoder_side},
           {"rotational_resolution", &FileSources::rotational_resolution},
           {"least_inertia", &FileSources::least_inertia},
           {"hand_torque", &FileSources::hand_torque},
@@ -139,6 +146,8 @@ SourcedSpec read_spec(std::string_view text, std::string file) {
       .late_ticks = given.late_ticks(),
       .actuation_lag = given.actuation_lag(),
       .actuation_kind = lag_kind(document, given.actuation_kind()),
+      .transmission_stiffness = given.transmission_stiffness(),
+      .encoder_side = encoder_side(document, given.encoder_side()),
       .rotational_resolution = given.rotational_resolution(),
       .least_inertia =
           least(document, "least_inertia", given.least_inertia(), given.least_inertia_matrix()),
@@ -150,7 +159,8 @@ SourcedSpec read_spec(std::string_view text, std::string file) {
   } catch (const DeviceSpecError& error) {
     document.fail(error.field, error.why);
   }
-  return {std::move(spec), sources_of(given), document.has("actuation_lag")};
+  return {std::move(spec), sources_of(given), document.has("actuation_lag"),
+          document.has("transmission_stiffness")};
 }
 
 /// Returns the built-in devices, in a fixed order.

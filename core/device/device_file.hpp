@@ -21,6 +21,8 @@ struct SourcedSpec {
   DeviceSpec spec;
   SpecSources sources;
   bool tells_lag = false;  // actuation_lag was given, if only as 0
+  bool tells_transmission =
+      false;  // transmission_stiffness was given, if only as 0 for a rigid one
 };
 
 /// The request for a specification on a command line.

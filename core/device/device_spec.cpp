@@ -11,6 +11,7 @@ namespace {
 constexpr double kMaxDamping = 1e3;            // [N s/m]
 constexpr double kMaxRotationalDamping = 1e2;  // [N m s/rad]
 constexpr double kMaxLag = 0.1;                // [s]
+constexpr double kMaxStiffness = 1e9;          // [N/m]
 constexpr double kMaxMass = 1e3;               // [kg]
 constexpr double kMaxForce = 1e4;              // [N]
 constexpr double kMaxTorque = 1e3;             // [N m]
@@ -76,6 +77,7 @@ void validate(const DeviceSpec& spec) {
            "stands beside late_ticks; give the whole time between write() and the motor's force as "
            "actuation_lag, and late_ticks 0");
 
+  check_range(spec, "transmission_stiffness", spec.transmission_stiffness, kMaxStiffness, "N/m");
   check_damping(spec, "damping", spec.damping, kMaxDamping, "N s/m");
   check_damping(spec, "rotational_damping", spec.rotational_damping, kMaxRotationalDamping,
                 "N m s/rad");

@@ -19,6 +19,10 @@ namespace feltwire {
 enum class LagKind : std::uint8_t { delay, filter, mixed };
 inline constexpr std::array<std::string_view, 3> kLagKindNames = {"delay", "filter", "mixed"};
 
+/// The body that the encoder measures: before or behind the transmission.
+enum class EncoderSide : std::uint8_t { motor, handle };
+inline constexpr std::array<std::string_view, 2> kEncoderSideNames = {"motor", "handle"};
+
 /// Limits and physics of one device. The files of the built-in devices (core/device/*.json) have
 /// the source of each number.
 struct DeviceSpec {
@@ -47,6 +51,9 @@ struct DeviceSpec {
   double actuation_lag = 0.0;   // L [s] upper bound of the time by which the motor's force follows
                                 // write(); 0: none is told. Instead of late_ticks, not beside it
   LagKind actuation_kind = LagKind::delay;
+  // Between motor and handle. No bound uses it: it says what of a wall the hand can feel.
+  double transmission_stiffness = 0.0;            // k_t [N/m] lower bound; 0: rigid, or not known
+  EncoderSide encoder_side = EncoderSide::motor;  // the bounds hold at the motor alone
   // These fields repeat the ones above for rotation.
   double rotational_resolution = 0.0;  // [rad] encoder quantum about each world axis
   double least_inertia = 0.0;  // [kg m^2] lower bound of the apparent inertia about every axis, the

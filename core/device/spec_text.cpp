@@ -13,7 +13,8 @@ constexpr std::string_view kAssumption = "assumption", kAssumedFor = "assumption
 struct Number {
   const char* field;
   const char* unit;
-  // True if the energy account relies on this number: too large a value then creates energy.
+  // True if the energy account relies on this number (too large a value then creates energy), or
+  // the share of a wall that the hand feels.
   bool counted_on;
   std::function<std::string(const DeviceSpec&)> text;
 };
@@ -67,6 +68,13 @@ const std::vector<Number>& numbers() {
                     ? std::string(kLagKindNames[static_cast<std::size_t>(s.actuation_kind)])
                     : std::string("0");
        }},
+      {"transmission_stiffness", "N/m", true, number(&DeviceSpec::transmission_stiffness)},
+      {"encoder_side", "", false,
+       [](const DeviceSpec& s) {
+         const bool told = s.transmission_stiffness > 0.0 || s.encoder_side == EncoderSide::handle;
+         return told ? std::string(kEncoderSideNames[static_cast<std::size_t>(s.encoder_side)])
+                     : std::string("0");
+       }},
       {"rotational_resolution", "rad", false, number(&DeviceSpec::rotational_resolution)},
       {"least_inertia", "kg m^2", true, number(&DeviceSpec::least_inertia)},
       {"hand_torque", "N m", false, number(&DeviceSpec::hand_torque)},
@@ -85,7 +93,7 @@ std::string_view source_of(const SourcedSpec& described, std::string_view field)
 }  // namespace
 
 std::string spec_table(const SourcedSpec& described) {
-  constexpr int kField = 22, kValue = 19, kUnit = 10;
+  constexpr int kField = 23, kValue = 19, kUnit = 10;
   std::ostringstream text;
   text << described.spec.name << "\n" << std::left;
   for (const Number& number : numbers()) {
@@ -110,6 +118,10 @@ std::vector<std::string> assumptions(const SourcedSpec& described) {
                    (says_for ? "give yours as " + std::string(number.field) + " in a device file"
                              : std::string("measure yours with feltwire-client identify")));
   }
+  if (described.spec.encoder_side == EncoderSide::handle)
+    said.push_back(
+        "the encoder is at the handle; the energy bounds hold for an encoder at the motor, so the "
+        "motor may give energy that no account sees");
   return said;
 }
 

@@ -6,6 +6,7 @@
 
 #include <fstream>
 
+#include "client/device/assumed_transmission.hpp"
 #include "client/drivers/drivers.hpp"
 #include "core/bounding/device_account.hpp"
 #include "core/device/spec_text.hpp"
@@ -80,7 +81,36 @@ TEST(AssumedLag, NothingIsAssumedOfASimulatedDevice) {
     const OpenedDevice opened = chosen_driver("simulated").driver->open(request);
     EXPECT_EQ(opened.device->spec().actuation_lag, 0.0) << spec;
     EXPECT_THAT(opened.notes, Not(Contains(HasSubstr("actuation_lag")))) << spec;
+    EXPECT_EQ(opened.device->spec().transmission_stiffness, 0.0) << spec;
   }
+}
+
+/// Few makers tell the transmission of a device either.
+TEST(AssumedTransmission, IsThatOfTheDriveAndSaysSo) {
+  for (const Drive& drive : {kCableDrive, kSmallCableDrive, kUnknownDrive}) {
+    SourcedSpec described = file_with("");
+    assume_transmission(described, drive);
+    EXPECT_EQ(described.spec.transmission_stiffness, drive.stiffness);
+    EXPECT_EQ(described.spec.encoder_side, EncoderSide::motor);
+    EXPECT_THAT(
+        assumptions(described),
+        Contains(AllOf(HasSubstr("transmission_stiffness"),
+                       HasSubstr("is an assumption for " + std::string(drive.name)),
+                       HasSubstr("give yours as transmission_stiffness in a device file"))));
+    EXPECT_NO_THROW(validate(described.spec));
+  }
+}
+
+TEST(AssumedTransmission, ASpecificationThatTellsItStaysAsItIs) {
+  const auto assumed = [](const std::string& fields) {
+    SourcedSpec described = file_with(fields);
+    assume_transmission(described, kCableDrive);
+    EXPECT_EQ(described.sources.count("transmission_stiffness"), 0u) << fields;
+    return described.spec.transmission_stiffness;
+  };
+  EXPECT_EQ(assumed(R"(, "transmission_stiffness": 9e3)"), 9e3);
+  EXPECT_EQ(assumed(R"(, "transmission_stiffness": 0)"), 0.0);
+  EXPECT_EQ(assumed(R"(, "encoder_side": "handle")"), 0.0);
 }
 
 /// At a rate that is impossible with this lag, the account must name a possible rate.

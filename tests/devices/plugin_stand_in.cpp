@@ -201,6 +201,13 @@ int lag_of_motors(void*, double* seconds, std::int32_t* kind) {
   return 1;
 }
 
+int transmission_of_handle(void*, double* stiffness, std::int32_t* encoder_side) {
+  if (device->stiffness < 0.0) return 0;
+  *stiffness = device->stiffness;
+  *encoder_side = device->encoder_side;
+  return 1;
+}
+
 }  // namespace
 
 extern "C" {
@@ -220,7 +227,8 @@ const feltwire_device_v1* feltwire_device(void) {
            .write = write_device,
            .release = release_device,
            .close = close_device,
-           .actuation_lag = lag_of_motors};
+           .actuation_lag = lag_of_motors,
+           .transmission = transmission_of_handle};
   if (std::strcmp(device->null_function, "write") == 0) table.write = nullptr;
   if (std::strcmp(device->null_function, "wait") == 0) table.wait = nullptr;
   return &table;

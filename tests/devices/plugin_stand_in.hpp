@@ -21,6 +21,8 @@ struct Plugin {
   double lever = -1.0;              // [m]; < 0: no lever
   double lag = -1.0;                // [s] of the motors, as it tells; < 0: not known
   int lag_kind = 0;                 // FELTWIRE_LAG_...
+  double stiffness = -1.0;          // [N/m] of the transmission, as it tells; < 0: not known
+  int encoder_side = 0;             // FELTWIRE_ENCODER_...
   std::uint32_t missing_bytes = 0;  // at the end of its table, as of an older header
   bool tells_late = true;           // it reports held forces
   int stale_every = 0;              // ticks; 0: never

@@ -57,8 +57,11 @@ TEST_F(Plugin, SaysWhatItIs) {
   EXPECT_EQ(opened.device->longest_tick(), std::chrono::milliseconds(1));
   // The plugin does not report the lag of its motors.
   EXPECT_EQ(opened.device->spec().actuation_lag, 0.5e-3);
-  EXPECT_THAT(opened.notes, ::testing::ElementsAre(HasSubstr(
-                                "is an assumption for a connection that the driver does not")));
+  EXPECT_THAT(
+      opened.notes,
+      ::testing::ElementsAre(
+          HasSubstr("is an assumption for a connection that the driver does not"),
+          HasSubstr("transmission_stiffness 3000 N/m is an assumption for a drive that is")));
   stand_in->source = nullptr;
   EXPECT_THAT(open().notes, ::testing::Contains(HasSubstr("damping 0.5 N s/m is an assumption")));
   const OpenedDevice told =
@@ -73,6 +76,7 @@ TEST_F(Plugin, SaysWhatItIs) {
 
 TEST_F(Plugin, TellsLatenessButtonsAndLever) {
   stand_in->late_ticks = 2;
+  stand_in->stiffness = 0.0;
   const OpenedDevice opened = open();
   Device& device = *opened.device;
   EXPECT_EQ(device.spec().late_ticks, 2);
@@ -99,6 +103,7 @@ TEST_F(Plugin, TellsLatenessButtonsAndLever) {
 
 TEST_F(Plugin, TellsHowLateItsMotorsFollow) {
   stand_in->lag = 2e-4;
+  stand_in->stiffness = 0.0;
   for (const LagKind kind : {LagKind::delay, LagKind::filter, LagKind::mixed}) {
     stand_in->lag_kind = static_cast<int>(kind);
     const OpenedDevice opened = open();
@@ -118,10 +123,35 @@ TEST_F(Plugin, TellsHowLateItsMotorsFollow) {
   EXPECT_EQ(open().device->spec().actuation_lag, 0.0);
 }
 
-/// The header got this function later.
+TEST_F(Plugin, TellsWhatStandsBeforeItsHandle) {
+  stand_in->lag = 0.0;
+  stand_in->stiffness = 8e3;
+  const OpenedDevice opened = open();
+  EXPECT_EQ(opened.device->spec().transmission_stiffness, 8e3);
+  EXPECT_EQ(opened.device->spec().encoder_side, EncoderSide::motor);
+  EXPECT_THAT(opened.notes, IsEmpty());
+  stand_in->encoder_side = 1;
+  EXPECT_EQ(open().device->spec().encoder_side, EncoderSide::handle);
+  EXPECT_THAT(open().notes, ::testing::ElementsAre(HasSubstr("the encoder is at the handle")));
+  stand_in->encoder_side = 2;
+  EXPECT_THAT(refusal(), HasSubstr("the encoder's side 2; set FELTWIRE_ENCODER_MOTOR"));
+  stand_in->encoder_side = 0;
+  stand_in->stiffness = 2e9;
+  EXPECT_THAT(refusal(), HasSubstr("transmission_stiffness"));
+  stand_in->stiffness = 0.0;  // It tells that it is rigid.
+  EXPECT_EQ(open().device->spec().transmission_stiffness, 0.0);
+  stand_in->stiffness = -1.0;
+  EXPECT_EQ(open().device->spec().transmission_stiffness, 3e3);
+}
+
+/// The header got these functions later, one after the other.
 TEST_F(Plugin, OfAnOlderHeaderIsLoaded) {
   stand_in->lag = 2e-4;
+  stand_in->stiffness = 8e3;
   stand_in->missing_bytes = sizeof(void*);
+  EXPECT_EQ(open().device->spec().actuation_lag, 2e-4);
+  EXPECT_EQ(open().device->spec().transmission_stiffness, 3e3);
+  stand_in->missing_bytes += sizeof(void*);
   EXPECT_EQ(open().device->spec().actuation_lag, 0.5e-3);
   stand_in->missing_bytes += 1;
   EXPECT_THAT(refusal(), HasSubstr("set size to sizeof(feltwire_device_v1)"));

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "client/device/assumed_transmission.hpp"
 #include "client/device/async_signal_release.hpp"
 #include "client/device/connection_lag.hpp"
 #include "client/device/held_command.hpp"
@@ -261,6 +262,7 @@ class ForceDimensionDevice final : public Device {
     described_ = request.spec.name_or_file.empty() ? overruled(std::move(found), request.spec)
                                                    : requested_spec(request.spec, "");
     assume_lag(described_, connection_of(name));
+    assume_transmission(described_, kCableDrive);
     DeviceSpec& spec = described_.spec;
     wrist_ = wrist_ && spec.rotation_sensed > 0;
     torque_ = wrist_ && actuated && spec.rotation_actuated > 0;

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "client/device/assumed_transmission.hpp"
 #include "client/device/held_command.hpp"
 #include "client/device/lock_step.hpp"
 #include "client/drivers/haply/hapi_board.hpp"
@@ -41,6 +42,7 @@ class HapiDevice final : public LockStepDevice {
   explicit HapiDevice(const DeviceRequest& request)
       : LockStepDevice(sourced_spec("hapi_2dof"), request.spec), port_(request.name) {
     described_.spec.translation_dof = 2;
+    assume_transmission(described_, kUnknownDrive);
     notes_ = assumptions(described_);
     set_up();
     see_to_answers();

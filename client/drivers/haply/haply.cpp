@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "client/device/assumed_transmission.hpp"
 #include "client/device/held_command.hpp"
 #include "client/device/lock_step.hpp"
 #include "client/drivers/haply/haply_messages.hpp"
@@ -72,6 +73,7 @@ class HaplyDevice final : public LockStepDevice {
   HaplyDevice(const Place& place, const DeviceRequest& request)
       : LockStepDevice(sourced_spec("inverse3"), request.spec),
         socket_(place.port, kLongestMessage) {
+    assume_transmission(described_, kUnknownDrive);
     notes_ = assumptions(described_);
     take_inventory(place.id);
     see_to_answers();

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "client/device/assumed_transmission.hpp"
 #include "client/device/held_command.hpp"
 #include "client/device/lock_step.hpp"
 #include "client/drivers/novint/falcon_board.hpp"
@@ -95,6 +96,7 @@ class FalconDevice final : public LockStepDevice {
  public:
   explicit FalconDevice(const DeviceRequest& request)
       : LockStepDevice(sourced_spec("falcon"), request.spec) {
+    assume_transmission(described_, kCableDrive);
     notes_ = assumptions(described_);
     auto line = opened(device_number(request.name));
     see_to_firmware(*line, request.firmware);

@@ -9,6 +9,7 @@
 #include <thread>
 #include <utility>
 
+#include "client/device/assumed_transmission.hpp"
 #include "client/device/connection_lag.hpp"
 #include "client/device/sample_mailbox.hpp"
 #include "client/drivers/common/shared_library.hpp"
@@ -213,6 +214,7 @@ class OpenHapticsDevice final : public Device {
     assume_lag(described_, premium ? kMappedConnection
                            : touch ? kUsbConnection
                                    : kUnknownConnection);
+    assume_transmission(described_, premium ? kCableDrive : kSmallCableDrive);
     described_.spec.rotation_sensed = 3;
     torque_ = actuated && described_.spec.rotation_actuated > 0;
     if (!torque_) {

@@ -76,6 +76,12 @@ enum {
   FELTWIRE_LAG_MIXED = 2   /* a delay and a first-order lag after it, this long together */
 };
 
+/* The body that the positions of read() are measured at. The client's energy bounds hold at the motor. */
+enum {
+  FELTWIRE_ENCODER_MOTOR = 0,
+  FELTWIRE_ENCODER_HANDLE = 1 /* behind the transmission: the client warns */
+};
+
 /* Functions may be added at the end. A plugin that was built against an older header is loaded as if they were null. */
 typedef struct feltwire_device_v1 {
   uint32_t version; /* FELTWIRE_DEVICE_VERSION */
@@ -109,6 +115,12 @@ typedef struct feltwire_device_v1 {
    * for none, and a FELTWIRE_LAG_... in *kind, which is FELTWIRE_LAG_DELAY when it is called. Returns 1; or 0 where it is
    * not known. May be null. Where nothing is told the client assumes a lag, says so, and gives less of stiff walls. */
   int (*actuation_lag)(void* device, double* seconds, int32_t* kind);
+
+  /* What stands between motor and handle. Called once, after open(). Sets a lower bound in *stiffness [N/m], 0 for a rigid
+   * one, and a FELTWIRE_ENCODER_... in *encoder_side, which is FELTWIRE_ENCODER_MOTOR when it is called. Returns 1; or 0
+   * where it is not known. May be null. Where nothing is told the client assumes a soft one, and says so. No force depends
+   * on it: the client says at the start how much of a wall the hand can feel behind it. */
+  int (*transmission)(void* device, double* stiffness, int32_t* encoder_side);
 } feltwire_device_v1;
 
 /* The plugin's one exported function. What it returns must stay. */

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "client/device/assumed_transmission.hpp"
 #include "client/device/connection_lag.hpp"
 #include "client/device/held_command.hpp"
 #include "client/drivers/common/shared_library.hpp"
@@ -111,7 +112,8 @@ SpecSources sources_of(const feltwire_spec_v1& given) {
 /// Sets the actuation lag of the specification, if the plugin reports it.
 void tell_lag(const fs::path& file, const feltwire_device_v1& table, void* device,
               SourcedSpec& described, const std::string& source) {
-  if (table.size < sizeof(feltwire_device_v1) || table.actuation_lag == nullptr) return;
+  constexpr std::size_t kWithLag = offsetof(feltwire_device_v1, transmission);
+  if (table.size < kWithLag || table.actuation_lag == nullptr) return;
   double lag = 0.0;
   std::int32_t kind = FELTWIRE_LAG_DELAY;
   if (table.actuation_lag(device, &lag, &kind) == 0) return;
@@ -123,6 +125,24 @@ void tell_lag(const fs::path& file, const feltwire_device_v1& table, void* devic
   described.spec.actuation_kind = kKinds[static_cast<std::size_t>(kind)];
   described.tells_lag = true;
   described.sources["actuation_lag"] = source;
+}
+
+/// Sets the transmission of the specification, if the plugin reports it.
+void tell_transmission(const fs::path& file, const feltwire_device_v1& table, void* device,
+                       SourcedSpec& described, const std::string& source) {
+  if (table.size < sizeof(feltwire_device_v1) || table.transmission == nullptr) return;
+  double stiffness = 0.0;
+  std::int32_t side = FELTWIRE_ENCODER_MOTOR;
+  if (table.transmission(device, &stiffness, &side) == 0) return;
+  if (side != FELTWIRE_ENCODER_MOTOR && side != FELTWIRE_ENCODER_HANDLE)
+    refuse(file, "transmission() sets the encoder's side " + std::to_string(side) +
+                     "; set FELTWIRE_ENCODER_MOTOR or FELTWIRE_ENCODER_HANDLE");
+  described.spec.transmission_stiffness = stiffness;
+  described.spec.encoder_side =
+      side == FELTWIRE_ENCODER_HANDLE ? EncoderSide::handle : EncoderSide::motor;
+  described.tells_transmission = true;
+  described.sources["transmission_stiffness"] = source;
+  described.sources["encoder_side"] = source;
 }
 
 class PluginDevice final : public Device {
@@ -146,7 +166,9 @@ class PluginDevice final : public Device {
         refuse(library_.file(), "longest_tick is set, and its function wait is null; fill it in");
       longest_tick_ = from_seconds(longest);
       described_ = {spec_of(given), sources_of(given)};
-      tell_lag(library_.file(), functions_, device_, described_, described_.sources["damping"]);
+      const std::string source = described_.sources["damping"];
+      tell_lag(library_.file(), functions_, device_, described_, source);
+      tell_transmission(library_.file(), functions_, device_, described_, source);
       validate(described_.spec);
     } catch (...) {
       close();
@@ -235,6 +257,7 @@ OpenedDevice open_plugin(const DeviceRequest& request) {
                               ? overruled(device->described(), request.spec)
                               : requested_spec(request.spec, "");
   assume_lag(described, kUnknownConnection);
+  assume_transmission(described, kUnknownDrive);
   device->describe(std::move(described));
   std::vector<std::string> notes = assumptions(device->described());
   return {std::move(device), std::move(notes)};

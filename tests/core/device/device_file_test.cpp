@@ -82,6 +82,32 @@ TEST_F(DeviceFile, TellsTheLagOfItsMotorAndItsKind) {
               AllOf(HasSubstr("actuation_lag: "), HasSubstr("late_ticks 0")));
 }
 
+TEST_F(DeviceFile, TellsTheTransmissionAndTheSideOfTheEncoder) {
+  const auto with = [](const std::string& fields) {
+    return R"({"name": "mine", "damping": [1], "max_force": 3, "workspace": [1, 1, 1])" + fields +
+           "}";
+  };
+  load(with(R"(, "transmission_stiffness": 8e3, "encoder_side": "handle")"));
+  const SourcedSpec told = sourced_spec(file_.string());
+  EXPECT_TRUE(told.tells_transmission);
+  EXPECT_EQ(told.spec.transmission_stiffness, 8e3);
+  EXPECT_EQ(told.spec.encoder_side, EncoderSide::handle);
+  EXPECT_THAT(assumptions(told), ::testing::ElementsAre(HasSubstr("encoder is at the handle")));
+  EXPECT_THAT(spec_table(told), AllOf(HasSubstr("transmission_stiffness 8000"),
+                                      HasSubstr("encoder_side           handle")));
+  load(with(R"(, "transmission_stiffness": 0)"));
+  EXPECT_TRUE(sourced_spec(file_.string()).tells_transmission);
+  load(with(""));
+  const SourcedSpec silent = sourced_spec(file_.string());
+  EXPECT_FALSE(silent.tells_transmission);
+  EXPECT_EQ(silent.spec.encoder_side, EncoderSide::motor);
+  EXPECT_THAT(spec_table(silent), ::testing::Not(HasSubstr("encoder_side")));
+  EXPECT_THAT(error(with(R"(, "encoder_side": "gearbox")")),
+              AllOf(HasSubstr("encoder_side: is 'gearbox'"), HasSubstr("motor handle")));
+  EXPECT_THAT(error(with(R"(, "transmission_stiffness": -1)")),
+              HasSubstr("transmission_stiffness: must be from 0"));
+}
+
 /// If a number depends on the direction, the account uses the smallest.
 TEST_F(DeviceFile, OfAMatrixTheLeastEigenvalueIsTaken) {
   const std::string rest = R"("name": "mine", "max_force": 3, "workspace": [1, 1, 1], )";
