@@ -26,11 +26,14 @@ constexpr double kWhole = 0.9;   // least ratio of rendered to true stiffness th
 // [N/m] Stiffness of a wall if the scene's stiffness is unknown.
 constexpr double kUsualWall = 1000.0;
 constexpr double kAssumedMass = 0.1;  // [kg] mass of a device whose mass is unknown
-constexpr double kMostForce = 3.0;    // [N] largest force of a press
-constexpr double kAnyTime = 1.0;      // [s] clock time at the start of a press
-constexpr double kLate = 0.1;         // largest delay of a tick, in servo periods
-constexpr int kBetweenLooks = 100;    // number of ticks between two stop checks
-constexpr int kPause = 4;  // ratio of a pause to the run time of the calculation before it
+// Ratio of the handle's mass to the device's, and of the transmission's damping to the critical
+// one.
+constexpr double kHandleShare = 1.0 / 3.0, kTransmissionDamping = 0.05;
+constexpr double kMostForce = 3.0;  // [N] largest force of a press
+constexpr double kAnyTime = 1.0;    // [s] clock time at the start of a press
+constexpr double kLate = 0.1;       // largest delay of a tick, in servo periods
+constexpr int kBetweenLooks = 100;  // number of ticks between two stop checks
+constexpr int kPause = 4;           // ratio of a pause to the run time of the calculation before it
 // [s] Approach, end, and evaluated time before the end of a press.
 constexpr double kLeadIn = 1.0, kEnd = 5.5, kLooked = 0.5;
 // [N/m] Stiffness of each tested wall.
@@ -46,10 +49,12 @@ double press_force(const DeviceSpec& spec) {
 /// line. The line removes drift, which is no oscillation.
 class HandleAtRest {
  public:
-  void add(double t, double y, double force) {
+  void add(double t, double y, double at_encoder, double force) {
+    at_encoder_ += at_encoder;
     count_ += 1.0, t_ += t, y_ += y, tt_ += t * t, ty_ += t * y, yy_ += y * y, force_ += force;
   }
   double mean() const { return y_ / count_; }
+  double mean_at_encoder() const { return at_encoder_ / count_; }
   double force() const { return force_ / count_; }
   double swing() const {
     const double tt = tt_ - t_ * t_ / count_, ty = ty_ - t_ * y_ / count_,
@@ -59,7 +64,18 @@ class HandleAtRest {
 
  private:
   double count_ = 0.0, t_ = 0.0, y_ = 0.0, tt_ = 0.0, ty_ = 0.0, yy_ = 0.0, force_ = 0.0;
+  double at_encoder_ = 0.0;
 };
+
+/// Returns the transmission of a simulated device with this specification.
+Plant::Transmission transmission_of(const DeviceSpec& spec) {
+  if (!(spec.transmission_stiffness > 0.0)) return {};
+  const double handle = kHandleShare * spec.apparent_mass;
+  const double reduced = handle * (1.0 - kHandleShare);
+  return {.stiffness = spec.transmission_stiffness,
+          .damping = 2.0 * kTransmissionDamping * std::sqrt(spec.transmission_stiffness * reduced),
+          .handle_mass = handle};
+}
 
 /// Returns the reply of a wall below y = 0. The wall is normal to y, because every device has a
 /// force along y.
@@ -84,7 +100,10 @@ SimulatedDevice pressed(const DeviceSpec& spec, double period, double wall, cons
   options.spec = spec;
   options.hand = hand;
   options.task.normal = Vec3::UnitY();
-  options.task.depth = press_force(spec) * (1.0 / hand.stiffness + 1.0 / wall);
+  options.plant.transmission = transmission_of(spec);
+  options.plant.encoder.side = spec.encoder_side;
+  options.task.depth = press_force(spec) * (1.0 / hand.stiffness + 1.0 / wall +
+                                            1.0 / options.plant.transmission.stiffness);
   options.task.lead_in = kLeadIn;
   Plant::Amplifier& amplifier = options.plant.amplifier;
   (spec.actuation_kind == LagKind::filter ? amplifier.lag : amplifier.delay) = spec.actuation_lag;
@@ -102,6 +121,7 @@ std::optional<FirstPress> press(const DeviceSpec& spec, const SessionParameters&
   std::uniform_real_distribution<double> late(0.0, kLate * parameters.servo_period);
   const auto ticks = static_cast<std::int64_t>(kEnd / parameters.servo_period);
   HandleAtRest handle;
+  const bool at_motor = spec.encoder_side == EncoderSide::motor;
   for (std::int64_t n = 0; n < ticks; ++n) {
     if (n % kBetweenLooks == 0 && goes_on && !goes_on()) return std::nullopt;
     const double time = static_cast<double>(n) * parameters.servo_period;
@@ -111,21 +131,28 @@ std::optional<FirstPress> press(const DeviceSpec& spec, const SessionParameters&
     servo.sent();
     servo.take(wall_reply(*sample, wall), now);
     if (time > kEnd - kLooked)
-      handle.add(time, device.true_position().y(), servo.held().force().y());
+      handle.add(time, device.true_position().y(),
+                 at_motor ? device.motor_position().y() : device.true_position().y(),
+                 servo.held().force().y());
   }
-  const double depth = -handle.mean();
-  const double share = depth > 0.0 ? handle.force() / depth / wall : 0.0;
-  return FirstPress{.wall = wall, .share = std::clamp(share, 0.0, 1.0), .swing = handle.swing()};
+  const auto share = [&](double depth) {
+    return depth > 0.0 ? std::clamp(handle.force() / depth / wall, 0.0, 1.0) : 0.0;
+  };
+  return FirstPress{.wall = wall,
+                    .share = share(-handle.mean()),
+                    .share_at_encoder = share(-handle.mean_at_encoder()),
+                    .swing = handle.swing()};
 }
 
 std::optional<FirstPress> worst(const DeviceSpec& spec, const SessionParameters& parameters,
                                 const ServoOptions& options, double wall,
                                 const std::function<bool()>& goes_on) {
-  FirstPress found{.wall = wall, .share = 1.0};
+  FirstPress found{.wall = wall, .share = 1.0, .share_at_encoder = 1.0};
   for (const Hand& hand : kHands) {
     const std::optional<FirstPress> felt = press(spec, parameters, options, wall, hand, goes_on);
     if (!felt) return std::nullopt;
     found.share = std::min(found.share, felt->share);
+    found.share_at_encoder = std::min(found.share_at_encoder, felt->share_at_encoder);
     found.swing = std::max(found.swing, felt->swing);
   }
   return found;
@@ -166,6 +193,7 @@ std::optional<Rehearsal> rehearse(const DeviceSpec& told, const SessionParameter
   options.owed = 0.0;
   Rehearsal found;
   found.force = press_force(spec);
+  found.transmission = spec.transmission_stiffness;
   found.mass_known = spec.least_mass > 0.0;
   const double usual = scene_stiffness > 0.0 ? scene_stiffness : kUsualWall;
   const std::optional<FirstPress> scene = worst(spec, parameters, options, usual, goes_on);
@@ -189,6 +217,9 @@ std::string rehearsal_text(const Rehearsal& rehearsal) {
   std::string text;
   append(text, "a first press with %.2g N feels %.2f of a wall of %.0f N/m", rehearsal.force,
          rehearsal.scene.share, rehearsal.scene.wall);
+  if (rehearsal.transmission > 0.0)
+    append(text, " behind a transmission of %.0f N/m (%.2f at the encoder)", rehearsal.transmission,
+           rehearsal.scene.share_at_encoder);
   if (!rehearsal.scene.calm()) text += ", and a hand swings on it";
   if (rehearsal.whole.wall > 0.0)
     append(text, "; walls up to %.0f N/m are felt to %.2f or more", rehearsal.whole.wall, kWhole);

@@ -16,6 +16,8 @@ struct FirstPress {
   double wall = 0.0;   // [N/m] 0: there is none
   double share = 0.0;  // of the wall: force over depth at the handle, of the hand that feels less;
                        // at most 1
+  double share_at_encoder = 0.0;  // the same at the encoder: more, if it is at the motor and the
+                                  // transmission yields
   double swing = 0.0;  // [m] RMS of the handle about a straight line over half a second at the end,
                        // of the hand that swings more
   double stiffness() const noexcept { return share * wall; }  // [N/m] felt
@@ -23,8 +25,9 @@ struct FirstPress {
 };
 
 struct Rehearsal {
-  double force = 0.0;  // [N] of the press
-  FirstPress scene;    // the scene's stiffest surface, or 1 kN/m if it is not known
+  double force = 0.0;         // [N] of the press
+  double transmission = 0.0;  // [N/m] behind which the handle is; 0: rigid, or not known
+  FirstPress scene;           // the scene's stiffest surface, or 1 kN/m if it is not known
   // Walls of 250 N/m to 40 kN/m are tried, up to the first on which a hand swings.
   FirstPress calm;          // the stiffest without swing
   FirstPress whole;         // the stiffest up to which each is felt to 0.9 or more
@@ -34,8 +37,9 @@ struct Rehearsal {
 };
 
 /// Presses a simulated device with this specification, whose motor is late by all of its
-/// `actuation_lag` or `late_ticks`, as in a session whose replies all come. Ticks come late by up
-/// to a tenth of the period. Empty where the law is not known here: the server bounds, there is no
+/// `actuation_lag` or `late_ticks`, as in a session whose replies all come. A third of its mass is
+/// behind its `transmission_stiffness`, which is an assumption. Ticks come late by up to a tenth of
+/// the period. Empty where the law is not known here: the server bounds, there is no
 /// local model, the hand leads a robot or observes; or if it was stopped. `scene_stiffness` [N/m];
 /// 0: not known. It takes about half a second of computing time, and asks `goes_on` some thousand
 /// times meanwhile; false stops it. Throws what Servo's constructor throws.

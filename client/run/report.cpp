@@ -71,7 +71,13 @@ Json device(const std::string& kind, const DeviceSpec& spec) {
           {"rotation_sensed", spec.rotation_sensed},
           {"rotation_actuated", spec.rotation_actuated},
           {"damping", damping(spec.damping)},
-          {"max_force_n", number(spec.max_force)}};
+          {"max_force_n", number(spec.max_force)},
+          {"actuation_lag_s", number(spec.actuation_lag)},
+          {"late_ticks", spec.late_ticks},
+          {"transmission_n_per_m", spec.transmission_stiffness > 0.0
+                                       ? Json(number(spec.transmission_stiffness))
+                                       : Json(nullptr)},
+          {"encoder_side", kEncoderSideNames[static_cast<std::size_t>(spec.encoder_side)]}};
 }
 
 Json parameters(const SessionParameters& p) {
@@ -201,15 +207,20 @@ Json felt(const FirstPress& felt) {
   if (!(felt.wall > 0.0)) return nullptr;
   return {{"wall_n_per_m", number(felt.wall)},
           {"share", number(felt.share)},
+          {"share_at_encoder", number(felt.share_at_encoder)},
           {"swing_um", number(kMicro * felt.swing)}};
 }
 
 Json rehearsal(const std::optional<Rehearsal>& rehearsal) {
   if (!rehearsal) return nullptr;
-  return {{"force_n", number(rehearsal->force)}, {"scene", felt(rehearsal->scene)},
-          {"calm_up_to", felt(rehearsal->calm)}, {"whole_up_to", felt(rehearsal->whole)},
-          {"most", felt(rehearsal->most)},       {"mass_known", rehearsal->mass_known},
-          {"swings", rehearsal->swings}};
+  return {{"force_n", number(rehearsal->force)},
+          {"scene", felt(rehearsal->scene)},
+          {"calm_up_to", felt(rehearsal->calm)},
+          {"whole_up_to", felt(rehearsal->whole)},
+          {"most", felt(rehearsal->most)},
+          {"mass_known", rehearsal->mass_known},
+          {"swings", rehearsal->swings},
+          {"transmission_n_per_m", number(rehearsal->transmission)}};
 }
 
 /// Returns the debt of the energy account that ended the force, or null.

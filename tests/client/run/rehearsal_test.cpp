@@ -41,6 +41,35 @@ TEST(Rehearsal, ADeviceWithDampingFeelsItsWalls) {
   EXPECT_LE(late.whole.wall, quick.whole.wall);
 }
 
+/// The hand feels the transmission and the wall in series: k_t / (k_t + k) of what the encoder
+/// shows.
+TEST(Rehearsal, BehindATransmissionTheHandleFeelsLessThanTheEncoderShows) {
+  DeviceSpec spec = builtin_device("omega.7");
+  spec.transmission_stiffness = 3e3;
+  const Rehearsal soft = rehearsed(spec);
+  EXPECT_EQ(soft.transmission, 3e3);
+  EXPECT_NEAR(soft.scene.share_at_encoder, 1.0, 0.02);
+  EXPECT_NEAR(soft.scene.share, 3.0 / 4.0, 0.03);
+  EXPECT_TRUE(soft.scene.calm());
+  EXPECT_LT(soft.most.stiffness(), 3e3);
+  EXPECT_LT(soft.whole.wall, 1e3);
+  EXPECT_THAT(rehearsal_text(soft), HasSubstr(" of a wall of 1000 N/m behind a transmission of "
+                                              "3000 N/m (1.00 at the encoder)"));
+  spec.transmission_stiffness = 0.0;
+  EXPECT_THAT(rehearsal_text(rehearsed(spec)), Not(HasSubstr("transmission")));
+}
+
+/// An encoder at the handle does not see the motor, so a stiff wall swings on the transmission.
+TEST(Rehearsal, AnEncoderAtTheHandleSwingsEarlier) {
+  DeviceSpec spec = builtin_device("omega.7");
+  spec.transmission_stiffness = 10e3;
+  const Rehearsal at_motor = rehearsed(spec);
+  spec.encoder_side = EncoderSide::handle;
+  const Rehearsal at_handle = rehearsed(spec);
+  EXPECT_EQ(at_handle.scene.share, at_handle.scene.share_at_encoder);
+  EXPECT_LT(at_handle.calm.wall, at_motor.calm.wall);
+}
+
 /// The bounding method assumes no mass if the device file has none. The line must name the remedy.
 TEST(Rehearsal, ADeviceWithoutAMassFeelsLittle) {
   DeviceSpec spec = builtin_device("lambda.7");
