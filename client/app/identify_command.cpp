@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstddef>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -118,6 +119,18 @@ void tell_lag(const DeviceEstimate& found) {
                 1e3 * *found.lag_bound);
 }
 
+/// Prints the measured transmission.
+void tell_transmission(const DeviceEstimate& found) {
+  if (!found.transmission) {
+    std::printf("  transmission          not found: no resonance in reach of the readings\n");
+    return;
+  }
+  const TransmissionFit& fit = *found.transmission;
+  std::printf("  transmission          resonance %.1f Hz, at least %.0f N/m, encoder at the %s\n",
+              fit.resonance, fit.stiffness_bound,
+              std::string(kEncoderSideNames[static_cast<std::size_t>(fit.side)]).c_str());
+}
+
 /// Measures the device, then releases it, also after an error or a signal.
 void run(Device& device, Identification& identification) {
   MeasureStatus& status = status_of_run;
@@ -184,6 +197,7 @@ void identify(const IdentifyWords& words) {
   const SourcedSpec described = identified_spec(known, found, today());
   std::printf("%s", visible_lines(spec_table(described)).c_str());
   tell_lag(found);
+  tell_transmission(found);
   std::printf("  largest force held    %.2f N\n", identification.largest_force());
   for (int i = 0; i < known.spec.translation_dof; ++i) {
     std::printf("  damping along %c       %.3g N s/m by the sweeps, ", "xyz"[i], found.damping[i]);

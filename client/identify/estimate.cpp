@@ -9,6 +9,8 @@
 #include "client/identify/dissipation_per_cycle.hpp"
 #include "client/identify/impulse_fit.hpp"
 #include "client/identify/lag_fit.hpp"
+#include "client/identify/sweep_plan.hpp"
+#include "client/identify/transmission_fit.hpp"
 
 namespace feltwire {
 namespace {
@@ -200,6 +202,22 @@ void read_lag(std::span<const SweepRecord> shaken, DeviceEstimate& found) {
   found.lag_bound = std::max(0.0, fit.lag + open) * (1.0 + kLagShare) + kLeastLag;
 }
 
+/// Reads the transmission of each axis. The softest one counts, and there is none if an axis does
+/// not tell its own, or if the axes tell different sides of the encoder.
+void read_transmission(std::span<const SweepRecord> shaken, int dof, DeviceEstimate& found) {
+  std::optional<TransmissionFit> softest;
+  for (int axis = 0; axis < dof; ++axis) {
+    std::vector<SweepRecord> along;
+    for (const SweepRecord& run : shaken)
+      if (run.sweep.along == Vec3::Unit(axis)) along.push_back(run);
+    TransmissionFit fit = transmission_fit(along);
+    if (!fit.valid || (softest && softest->side != fit.side)) return;
+    fit.stiffness_bound *= kShare;
+    if (!softest || fit.stiffness_bound < softest->stiffness_bound) softest = fit;
+  }
+  found.transmission = softest;
+}
+
 }  // namespace
 
 DeviceEstimate estimate(std::span<const SweepRecord> all_runs,
@@ -210,7 +228,11 @@ DeviceEstimate estimate(std::span<const SweepRecord> all_runs,
                                    [](const SweepRecord& run) { return run.sweep.shake > 0.0; });
   const std::span runs(all_runs.begin(), shaken);
   read_noise(runs, rest, found);
-  read_lag({shaken, all_runs.end()}, found);
+  const auto resonance = std::find_if(shaken, all_runs.end(), [](const SweepRecord& run) {
+    return run.sweep.shake > kHighestLagShake;
+  });
+  read_lag({shaken, resonance}, found);
+  read_transmission({shaken, all_runs.end()}, dof, found);
   const std::vector<Line> lines = lines_of(runs);
   double least_delay = std::numeric_limits<double>::infinity(), most_delay = 0.0;
   for (const Line& line : lines) {

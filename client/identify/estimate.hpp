@@ -11,6 +11,7 @@
 
 #include "client/identify/coast_down.hpp"
 #include "client/identify/sweep_record.hpp"
+#include "client/identify/transmission_fit.hpp"
 
 namespace feltwire {
 
@@ -26,7 +27,8 @@ struct DeviceEstimate {
   double quantum = 0.0;  // [m] smallest step of a reading; tiny if readings never repeat
   double noise = 0.0;    // [m] RMS of a handle at rest, the worst axis
   double lag = 0.0;      // [s] from a force to the reading that shows it, without the hold
-  std::optional<double> lag_bound{};  // [s] it is not longer; empty: it cannot be told
+  std::optional<double> lag_bound{};              // [s] it is not longer; empty: it cannot be told
+  std::optional<TransmissionFit> transmission{};  // of the softest axis; empty: it cannot be told
   // [N s/m] the damping by the decay, and what it is at most; empty and infinite where the handle
   // stopped too soon to tell.
   std::array<std::optional<double>, 3> decay{};
@@ -52,8 +54,10 @@ struct DeviceEstimate {
 ///
 /// The lag: lag_fit(). Its bound is the 99.9 % upper bound of the fit, and 40 us and 2 % more.
 ///
-/// Precondition: the runs are those of sweep_plan() and then of shaken_plan(), and the coasts those
-/// of coast_down_plan(), in their order.
+/// The transmission: transmission_fit() of each axis. Its bound is 80 % of that of the fit.
+///
+/// Precondition: the runs are those of sweep_plan(), then of shaken_plan() and of resonance_plan(),
+/// and the coasts those of coast_down_plan(), in their order.
 DeviceEstimate estimate(std::span<const SweepRecord> runs, std::span<const CoastDownRecord> coasts,
                         std::span<const SweepTick> rest, int dof);
 

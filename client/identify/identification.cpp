@@ -74,6 +74,7 @@ Identification::Identification(const DeviceSpec& spec, const IdentifyLimits& lim
   duration_ = kSettle + kRest + kFade;
   std::vector<Sweep> plan = sweep_plan(dof_, limits.top_speed);
   for (const Sweep& sweep : shaken_plan(dof_, limits.top_speed)) plan.push_back(sweep);
+  for (const Sweep& sweep : resonance_plan(dof_, limits.top_speed)) plan.push_back(sweep);
   for (const Sweep& sweep : plan) {
     SweepRecord run{sweep, {}, {}};
     const double time = sweep_time(sweep, limits.amplitude) + kBeyond;

@@ -37,6 +37,21 @@ std::pair<LagKind, double> told_lag(double bound) {
   return {LagKind::delay, bound + kTail};
 }
 
+/// Writes the transmission, and what the fit assumes.
+void tell_transmission(SourcedSpec& known, const TransmissionFit& fit, const std::string& by) {
+  known.spec.transmission_stiffness = fit.stiffness_bound;
+  known.spec.encoder_side = fit.side;
+  known.tells_transmission = true;
+  std::ostringstream text;
+  text << ": lower bound; first resonance at " << fit.resonance << " Hz";
+  if (fit.side == EncoderSide::motor)
+    text << ", estimate " << fit.stiffness << " N/m, " << fit.handle_mass << " kg behind it";
+  else
+    text << "; a tenth of the mass on either side of it is assumed";
+  known.sources["transmission_stiffness"] = by + text.str();
+  known.sources["encoder_side"] = by;
+}
+
 }  // namespace
 
 SourcedSpec identified_spec(SourcedSpec known, const DeviceEstimate& found,
@@ -73,6 +88,7 @@ SourcedSpec identified_spec(SourcedSpec known, const DeviceEstimate& found,
     known.sources["actuation_kind"] = by;
     known.tells_lag = true;
   }
+  if (found.transmission) tell_transmission(known, *found.transmission, by);
   validate(spec);
   return known;
 }
@@ -98,6 +114,10 @@ std::string device_file_text(const SourcedSpec& described) {
   if (described.tells_lag) {
     file["actuation_lag"] = spec.actuation_lag;
     file["actuation_kind"] = kLagKindNames[static_cast<std::size_t>(spec.actuation_kind)];
+  }
+  if (described.tells_transmission) {
+    file["transmission_stiffness"] = spec.transmission_stiffness;
+    file["encoder_side"] = kEncoderSideNames[static_cast<std::size_t>(spec.encoder_side)];
   }
   if (spec.rotation_actuated != 0) {
     file["rotational_damping"] = numbers(spec.rotational_damping);

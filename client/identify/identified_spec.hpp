@@ -10,8 +10,8 @@ namespace feltwire {
 
 /// Returns `known` with the measured numbers: lower bounds for the numbers that the account uses.
 /// The sources say so, with the estimate and `date`. The lag is written unless `known` has late
-/// ticks, which stand for it. Throws DeviceSpecError if the two contradict
-/// each other.
+/// ticks, which stand for it; the transmission if the readings tell it. Throws DeviceSpecError if
+/// the two contradict each other.
 SourcedSpec identified_spec(SourcedSpec known, const DeviceEstimate& found,
                             const std::string& date);
 

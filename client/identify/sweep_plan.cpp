@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 namespace feltwire {
 namespace {
@@ -17,7 +18,9 @@ constexpr std::array kSpeeds = {Speed{0.16, 1}, Speed{0.32, 1}, Speed{0.5, 2}, S
 
 // Frequencies of the vibration. The lowest frequency has three periods per stroke (half a cycle).
 // Several frequencies are necessary, because losses other than damping grow with the frequency.
-constexpr std::array kShakes = {10.0, 14.0, 20.0, 28.0, 40.0};  // [Hz]
+constexpr std::array kShakes = {10.0, 14.0, 20.0, 28.0, kHighestLagShake};  // [Hz]
+// The last one is below half the tick rate of a device at 1 kHz.
+constexpr std::array kResonances = {56.0, 80.0, 113.0, 160.0, 226.0, 320.0};  // [Hz]
 constexpr double kShakenSpeed = 0.5;  // ratio of the sweep speed to the top speed
 constexpr int kShakenCycles = 4;      // one cycle for each vibration phase
 
@@ -28,6 +31,15 @@ double way(double t) {
   if (t < kTurnShare) return 0.5 * speed * t * t / kTurnShare;
   if (t > 1.0 - kTurnShare) return 1.0 - 0.5 * speed * (1.0 - t) * (1.0 - t) / kTurnShare;
   return speed * (t - 0.5 * kTurnShare);
+}
+
+std::vector<Sweep> shaken_at(std::span<const double> frequencies, int dof, double top_speed) {
+  std::vector<Sweep> plan;
+  plan.reserve(static_cast<std::size_t>(dof) * frequencies.size());
+  for (int i = 0; i < dof; ++i)
+    for (const double shake : frequencies)
+      plan.push_back({Vec3::Unit(i), kShakenSpeed * top_speed, kShakenCycles, shake});
+  return plan;
 }
 
 }  // namespace
@@ -49,12 +61,11 @@ std::vector<Sweep> sweep_plan(int dof, double top_speed) {
 }
 
 std::vector<Sweep> shaken_plan(int dof, double top_speed) {
-  std::vector<Sweep> plan;
-  plan.reserve(static_cast<std::size_t>(dof) * kShakes.size());
-  for (int i = 0; i < dof; ++i)
-    for (const double shake : kShakes)
-      plan.push_back({Vec3::Unit(i), kShakenSpeed * top_speed, kShakenCycles, shake});
-  return plan;
+  return shaken_at(kShakes, dof, top_speed);
+}
+
+std::vector<Sweep> resonance_plan(int dof, double top_speed) {
+  return shaken_at(kResonances, dof, top_speed);
 }
 
 double shake_phase(int cycle) {

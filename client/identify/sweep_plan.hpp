@@ -14,9 +14,16 @@ inline constexpr double kTurnShare = 0.2;
 /// of axes: the diagonals tell how axes are coupled. `dof`: 2 (x, y) or 3.
 std::vector<Sweep> sweep_plan(int dof, double top_speed);
 
+/// [Hz] The highest frequency of shaken_plan().
+inline constexpr double kHighestLagShake = 40.0;
+
 /// Sweeps at half of `top_speed` [m/s] along every axis, each shaken at one of five frequencies:
 /// for the lag.
 std::vector<Sweep> shaken_plan(int dof, double top_speed);
+
+/// Sweeps of the same speed, each shaken at one of six higher frequencies: for the resonance of a
+/// transmission.
+std::vector<Sweep> resonance_plan(int dof, double top_speed);
 
 /// [rad] of the shake in a cycle of a sweep, counted from 0 on: a quarter, a half and three
 /// quarters of a period apart in any four cycles.

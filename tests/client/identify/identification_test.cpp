@@ -205,5 +205,31 @@ TEST(IdentifiedSpec, KeepsWhatWasToldOfTheLag) {
   EXPECT_EQ(ticks.spec.late_ticks, 2);
 }
 
+TEST(IdentifiedSpec, TellsTheTransmissionAndWhatIsAssumed) {
+  DeviceEstimate found;
+  found.mass = Vec3::Constant(0.2);
+  const SourcedSpec known = sourced_spec("omega.7");
+  EXPECT_FALSE(identified_spec(known, found, "2026-11-30").tells_transmission);
+  found.transmission = {.valid = true,
+                        .side = EncoderSide::motor,
+                        .resonance = 80.0,
+                        .stiffness = 9e3,
+                        .stiffness_bound = 7e3,
+                        .handle_mass = 0.05};
+  const SourcedSpec read = written_and_read(identified_spec(known, found, "2026-11-30"));
+  EXPECT_TRUE(read.tells_transmission);
+  EXPECT_DOUBLE_EQ(read.spec.transmission_stiffness, 7e3);
+  EXPECT_EQ(
+      read.sources.at("transmission_stiffness"),
+      "identify, 2026-11-30: lower bound; first resonance at 80 Hz, estimate 9000 N/m, 0.05 kg "
+      "behind it");
+  found.transmission->side = EncoderSide::handle;
+  const SourcedSpec other = written_and_read(identified_spec(known, found, "2026-11-30"));
+  EXPECT_EQ(other.spec.encoder_side, EncoderSide::handle);
+  EXPECT_EQ(other.sources.at("transmission_stiffness"),
+            "identify, 2026-11-30: lower bound; first resonance at 80 Hz; a tenth of the mass on "
+            "either side of it is assumed");
+}
+
 }  // namespace
 }  // namespace feltwire::identification_test
