@@ -11,6 +11,7 @@
 #include "sim/studies/bound/contact_frame_options.hpp"
 #include "sim/studies/bound/figures.hpp"
 #include "sim/studies/bound/frontier.hpp"
+#include "sim/studies/bound/frontier_judged.hpp"
 #include "sim/studies/bound/rate.hpp"
 #include "sim/studies/bound/torque_figures.hpp"
 #include "sim/studies/bound/zwidth.hpp"
@@ -108,7 +109,9 @@ void add_zwidth(CLI::App& app) {
 void add_frontier(CLI::App& app) {
   struct Options {
     std::string out = "frontier", plant;
-    bool told = false;
+    bool told = false, judged = false;
+    int hands = 40;
+    std::uint64_t seed = 40'261'130;  // no threshold was chosen with it
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
@@ -120,12 +123,27 @@ void add_frontier(CLI::App& app) {
       "Writes frontier.json, frontier.csv and three pictures. All results but the cost are\n"
       "deterministic and take some minutes on two cores. docs/lab/frontier.md explains them.\n"
       "With --plant: runs first presses and taps of the same hands on devices with this plant,\n"
-      "without pictures. The method shaped runs as a whole session.");
+      "without pictures. The method shaped runs as a whole session.\n"
+      "With --judged: prints the bars of a device like a PHANToM Premium whose lag is told, on\n"
+      "hands and plants that are drawn.");
   add_out(*command, o->out);
   add_plant(*command, o->plant);
   command->add_flag("--told", o->told,
                     "With --plant: laws and energy accounts use the motor lag of the plant");
+  CLI::Option* judged = command->add_flag(
+      "--judged", o->judged, "Print the bars of a real device on drawn hands and plants");
+  command->add_option("--hands", o->hands, "Number of drawn hands")
+      ->needs(judged)
+      ->check(CLI::Range(0, 10000))
+      ->capture_default_str();
+  command->add_option("--seed", o->seed, "Seed of the hands and plants")
+      ->needs(judged)
+      ->capture_default_str();
   command->callback([o] {
+    if (o->judged) {
+      std::cout << judged_table(o->seed, o->hands);
+      return;
+    }
     if (!o->plant.empty()) {
       const auto rows = run_frontier(plant_cases(load_plant(o->plant), o->told));
       write_rows(o->out, rows);

@@ -202,8 +202,8 @@ FrontierRow run_case(const FrontierCase& c, const TaskSource& source) {
   FrontierRow row{
       .made = c, .energy_made = energy_made(c, samples), .energy = samples.back().energy};
   row.direction_error = measure(samples, {}, setup.bounding.damping, kPeriod).direction_error.mean;
-  const Environment own = task.touch;
-  double rendered = 0.0, whole = 0.0;
+  const Environment own = task.touch, own_at_motor = task.touch;
+  double rendered = 0.0, whole = 0.0, rendered_at_motor = 0.0, whole_at_motor = 0.0;
   std::vector<double> distance;
   for (std::size_t n = 0; n < samples.size(); ++n) {
     const ExperimentSample& s = samples[n];
@@ -213,8 +213,12 @@ FrontierRow run_case(const FrontierCase& c, const TaskSource& source) {
     if (2 * n < samples.size()) continue;
     rendered += s.rendered.elastic.dot(e);
     whole += e.squaredNorm();
+    const Vec3 at_motor = own_at_motor(Tool{s.motor, Vec3::Zero()}).elastic;
+    rendered_at_motor += s.rendered.elastic.dot(at_motor);
+    whole_at_motor += at_motor.squaredNorm();
   }
   row.displayed = whole > 0.0 ? rendered / whole : 0.0;
+  row.displayed_at_encoder = whole_at_motor > 0.0 ? rendered_at_motor / whole_at_motor : 0.0;
   // The intended movement of a tapping hand is fast, so its oscillation is not measured.
   if (c.task != "tap") row.oscillation = highpass_rms(distance, 1.0 / kPeriod);
   return row;

@@ -58,12 +58,14 @@ struct FrontierCase {
 
 struct FrontierRow {
   FrontierCase made;
-  double oscillation = 0.0;      // [m] highpass_rms() of the true distance to the surface
-  double displayed = 0.0;        // share of the surface's own force that is rendered, second half
-  double direction_error = 0.0;  // [rad] mean, rendered against commanded
-  double energy_made = 0.0;      // [J] delivered beyond the burned energy, as the encoder shows it
-  TrueEnergy energy{};           // at the true motor and at the true handle
-  std::uint64_t excess = 0;      // samples in debt
+  double oscillation = 0.0;  // [m] highpass_rms() of the true distance to the surface
+  double displayed = 0.0;    // share of the surface's own force that is rendered, second half
+  double displayed_at_encoder = 0.0;  // the same against the force at the motor's position; 0 of a
+                                      // session
+  double direction_error = 0.0;       // [rad] mean, rendered against commanded
+  double energy_made = 0.0;  // [J] delivered beyond the burned energy, as the encoder shows it
+  TrueEnergy energy{};       // at the true motor and at the true handle
+  std::uint64_t excess = 0;  // samples in debt
 };
 
 /// The cases of the whole study.
