@@ -57,8 +57,13 @@ class TinyClient(unittest.TestCase):
         self.assertEqual(len(felt), len(out.splitlines()))
         self.assertTrue([depth for depth, _ in felt if depth > 0.005], f"the wall was not pressed: {out}")
         self.assertTrue([depth for depth, _ in felt if depth < 0], f"the wall was not left: {out}")
-        for depth, force in felt:
+        # On the way in the surface is felt as stiff as it is; on the way out the server's bound gives less, and never more.
+        rising = [(depth, force) for (last, _), (depth, force) in zip(felt, felt[1:]) if last < depth < 0.009]
+        self.assertGreater(len(rising), 5)
+        for depth, force in rising:
             self.assertAlmostEqual(force, STIFFNESS * max(0.0, depth), delta=1e-3)
+        for depth, force in felt:
+            self.assertLess(force, STIFFNESS * max(0.0, depth) + 1e-3)
         self.refused_at(server, "fingerprint", fingerprint="0" * 64)
         self.refused_at(server, "refused: .*token", token="fw_0123456789ab_" + "0" * 64)
         self.refused_at(server, "refused: .*no such scene", scene="no such scene")

@@ -107,7 +107,7 @@ def rebuilt(server):
     farthest = max(abs(math.dist(vertex, (0, 0, 0)) - 0.03) for vertex in vertices)
     expect(farthest < 0.002, f"the surface of the grid is {farthest} m off its sphere")
     expect(len(triangles) > 1000 and max(max(triangle) for triangle in triangles) < len(vertices), f"{len(triangles)} triangles")
-    curve, index = next((one, place) for place, one in enumerate(scene["guides"]) if "curve" in one), [one.shape for one in guides].index("curve")
+    curve, index = next(one for one in scene["guides"] if "curve" in one), [one.shape for one in guides].index("curve")
     vertices, triangles = fetched(control, "shapes", answer.version, "guides", index)
     expect([list(map(float, point)) for point in curve["curve"]["points"]] == [list(vertex) for vertex in vertices] and not triangles, f"{vertices}")
     expect(guides[index].closed, "the curve is not closed")

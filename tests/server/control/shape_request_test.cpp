@@ -68,15 +68,13 @@ TEST(ShapeRequest, AManyObjectSceneComesInParts) {
 }
 
 TEST(ShapeRequest, ALongNameIsCut) {
-  const std::string name(1000, 'x');
-  Object object = sphere(name);
-  object.material_name = name;
+  Object object = sphere("ball");
+  object.material_name = std::string(1000, 'x');
   const auto list =
       described_shapes(current(Scene("room", {object})), {"room", ShapeGroup::objects, 0});
-  for (const std::string& told : {list.shapes.at(0).name, list.shapes.at(0).material}) {
-    EXPECT_EQ(told.size(), control::kMaxName);
-    EXPECT_TRUE(told.ends_with("x [...]"));
-  }
+  const std::string told = list.shapes.at(0).material;
+  EXPECT_EQ(told.size(), control::kMaxName);
+  EXPECT_TRUE(told.ends_with("x [...]"));
 }
 
 /// Fetches all parts of a shape.
