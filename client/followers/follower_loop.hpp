@@ -49,7 +49,7 @@ struct FollowerResult {
   /// Whether the robot was faulty at the end, and not only for a moment.
   bool robot_failed() const { return faulty_for >= kFaulty; }
   static constexpr double kFaulty = 0.25;  // [s]
-  std::string refusal = {};    // why the server did not take the robot again; empty: it did not say
+  std::string refusal = {};  // why the server did not take the robot again; empty: it did not say
 };
 
 /// Joins as follower and runs the robot at its servo rate in the calling thread, until `stop` is

@@ -3,6 +3,7 @@
 #include <sodium.h>
 
 #include <algorithm>
+#include <cstring>
 #include <stdexcept>
 #include <string_view>
 
@@ -32,14 +33,25 @@ wire::TimesCounted wire_times(const TimeCounts& times) {
           times.sum()};
 }
 
-/// Wipes memory before it returns it, also where a growing buffer moves: messages hold secrets.
+/// Wipes memory before it returns it, also where a growing buffer moves: messages hold secrets. It
+/// keeps the size of a block before the block, because after a failed allocation the builder gives
+/// back the old block with the size of the new one.
 class WipingAllocator : public flatbuffers::Allocator {
  public:
-  std::uint8_t* allocate(std::size_t size) override { return new std::uint8_t[size]; }
-  void deallocate(std::uint8_t* memory, std::size_t size) override {
-    sodium_memzero(memory, size);
-    delete[] memory;
+  std::uint8_t* allocate(std::size_t size) override {
+    auto* const block = new std::uint8_t[kHead + size];
+    std::memcpy(block, &size, sizeof size);
+    return block + kHead;
   }
+  void deallocate(std::uint8_t* memory, std::size_t /*size*/) override {
+    std::size_t size = 0;
+    std::memcpy(&size, memory - kHead, sizeof size);
+    sodium_memzero(memory, size);
+    delete[](memory - kHead);
+  }
+
+ private:
+  static constexpr std::size_t kHead = __STDCPP_DEFAULT_NEW_ALIGNMENT__;
 };
 
 /// Builds the union member for each message.

@@ -55,6 +55,9 @@ ServerConfig parse_config(std::string_view json, const std::filesystem::path& fi
 /// The port of the live page in examples. No other service uses it, as with kDefaultPort.
 inline constexpr std::uint16_t kExamplePagePort = 6760;
 
+/// The port of the counters alone in examples.
+inline constexpr std::uint16_t kExampleMetricsPort = 6762;
+
 /// The address of the live page.
 struct WebPlace {
   std::string address = "127.0.0.1";

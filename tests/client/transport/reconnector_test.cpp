@@ -84,7 +84,7 @@ TEST(Reconnector, OtherParametersEndIt) {
   accepted.port_offset = 1;
   accepted.silence_timeout = 2.0;
   accepted.parameters.redundancy = 2;
-  testing::ControlPeer peer(control::encode(accepted));
+  testing::ControlPeer peer(control::encode(testing::with_secrets(accepted)));
   EXPECT_THAT(given_up(peer.access()),
               HasSubstr("now grants other parameters than those of the session before (redundancy: "
                         "asked 3, granted 2)"));

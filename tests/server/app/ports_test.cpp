@@ -51,7 +51,8 @@ TEST(Ports, TheSchemaHasTheSame) {
 
 /// Each port in a command line or address of the documents must be a default port.
 TEST(Ports, DocumentsShowTheSame) {
-  const std::set<int> ours = {kDefaultPort, kDefaultRelayPort, kExamplePagePort};
+  const std::set<int> ours = {kDefaultPort, kDefaultRelayPort, kExamplePagePort,
+                              kExampleMetricsPort};
   std::vector<fs::path> pages = {kRoot / "README.md", kRoot / "protocol/PROTOCOL.md"};
   for (const auto& entry : fs::directory_iterator(kRoot / "docs"))
     if (entry.path().extension() == ".md") pages.push_back(entry.path());
