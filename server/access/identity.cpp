@@ -10,6 +10,7 @@
 
 #include "core/base/json_document.hpp"
 #include "protocol/crypto/private_file.hpp"
+#include "server/access/listening.hpp"
 
 namespace feltwire {
 namespace {
@@ -123,6 +124,12 @@ Identity load_identity(const std::filesystem::path& certificate, const std::file
   if (X509_check_private_key(first.get(), private_key.get()) != 1)
     throw FileError(key.string() + ": is not the key of the certificate in " +
                     certificate.string() + "; give the two that belong together");
+  try {
+    server_tls(identity);
+  } catch (const std::exception& error) {
+    throw FileError(certificate.string() + ": TLS refuses it (" + error.what() +
+                    "); check that the file is whole and its keys are long enough");
+  }
   return identity;
 }
 

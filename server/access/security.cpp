@@ -3,8 +3,11 @@
 #include <unistd.h>
 
 #include <array>
+#include <asio/buffer.hpp>
 #include <asio/ip/address.hpp>
+#include <asio/ssl/context.hpp>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "core/base/json_document.hpp"
@@ -81,6 +84,19 @@ Identity own_identity(const SecurityOptions& config, const fs::path& folder) {
   return load_identity(certificate, key);
 }
 
+/// Reads the authorities of the clients. Empty: clients need no certificate.
+std::string read_authorities(const SecurityOptions& config) {
+  if (config.client_ca.empty()) return {};
+  const std::string authorities = read_text(config.client_ca);
+  std::error_code wrong;
+  asio::ssl::context(asio::ssl::context::tls_server)
+      .add_certificate_authority(asio::buffer(authorities), wrong);
+  if (wrong)
+    throw FileError(config.client_ca.string() + ": holds no authority's certificate (" +
+                    wrong.message() + "); give one in PEM");
+  return authorities;
+}
+
 void write_fingerprint(const fs::path& folder, const Identity& identity) {
   const std::string print = to_string(fingerprint(identity)) + "\n";
   const fs::path file = folder / kFingerprint;
@@ -127,6 +143,19 @@ std::filesystem::path local_token_file(const SecurityOptions& config) {
   return needs_state(config) ? state_folder(config) / kLocalToken : fs::path();
 }
 
+void check_security(const SecurityOptions& config) {
+  read_authorities(config);
+  const fs::path folder = needs_state(config) ? state_folder(config) : fs::path();
+  if (fs::exists(folder))
+    if (const auto open = open_folder(folder)) throw FileError(*open);
+  if (!config.certificate.empty())
+    load_identity(config.certificate, config.key);
+  else if (fs::exists(folder / kCertificate))
+    load_identity(folder / kCertificate, folder / kKey);
+  if (!config.tokens.empty() || fs::exists(token_file(config)))
+    const TokenFile tokens(token_file(config));
+}
+
 Identity read_identity_again(const SecurityOptions& config) {
   if (!needs_state(config)) return load_identity(config.certificate, config.key);
   const fs::path folder = state_folder(config);
@@ -139,8 +168,7 @@ Identity read_identity_again(const SecurityOptions& config) {
 }
 
 Security open_security(const SecurityOptions& config) {
-  std::string authorities;
-  if (!config.client_ca.empty()) authorities = read_text(config.client_ca);
+  const std::string authorities = read_authorities(config);
   if (!needs_state(config))
     return {load_identity(config.certificate, config.key), authorities, TokenFile(config.tokens)};
 

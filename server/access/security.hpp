@@ -29,6 +29,10 @@ std::filesystem::path local_token_file(const SecurityOptions& config);
 /// others than its owner may write to it.
 void make_state_folder(const SecurityOptions& config);
 
+/// Reads the files of open_security() that exist, and writes none. Throws FileError with the first
+/// that is wrong.
+void check_security(const SecurityOptions& config);
+
 /// Reads the certificate and its key again, which open_security() read or made, and writes the
 /// fingerprint of a new certificate. Throws FileError.
 Identity read_identity_again(const SecurityOptions& config);

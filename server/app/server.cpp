@@ -47,19 +47,6 @@ std::vector<Scene> load_scenes(const ServerConfig& config) {
   return scenes;
 }
 
-void check_names(const std::vector<Scene>& scenes) {
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    const std::string& name = scenes[i].name();
-    if (name.size() > control::kMaxName)
-      throw std::invalid_argument("scene '" + name + "': its name is longer than the protocol's " +
-                                  std::to_string(control::kMaxName) + " bytes; shorten it");
-    for (std::size_t j = 0; j < i; ++j)
-      if (scenes[j].name() == name)
-        throw std::invalid_argument("two scenes are named '" + name +
-                                    "'; clients join by name, so rename one");
-  }
-}
-
 /// Warns if scenes' threads that never sleep (--busy-poll inf) leave no core for other threads.
 void warn_of_spinning(Nanoseconds busy_poll, std::size_t scenes) {
   const unsigned cores = std::thread::hardware_concurrency();
@@ -131,6 +118,19 @@ SceneHostOptions host_options(const ServerConfig& config) {
 
 }  // namespace
 
+void check_scene_names(const std::vector<Scene>& scenes) {
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const std::string& name = scenes[i].name();
+    if (name.size() > control::kMaxName)
+      throw std::invalid_argument("scene '" + name + "': its name is longer than the protocol's " +
+                                  std::to_string(control::kMaxName) + " bytes; shorten it");
+    for (std::size_t j = 0; j < i; ++j)
+      if (scenes[j].name() == name)
+        throw std::invalid_argument("two scenes are named '" + name +
+                                    "'; clients join by name, so rename one");
+  }
+}
+
 struct Server::Parts {
   asio::io_context io{1};
   Fingerprint fingerprint;
@@ -161,7 +161,7 @@ struct Server::Parts {
         certificate(security.identity.certificate),
         files(config.scenes),
         loader(scenes.size(), std::move(load)) {
-    check_names(scenes);
+    check_scene_names(scenes);
     auto sockets = listen(config, security, scenes.size());
     SceneHostOptions options = host_options(config);
     options.ended = [this](std::vector<EndedSession> sessions) {

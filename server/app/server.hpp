@@ -22,6 +22,9 @@ struct ControlSummary {
   ServiceCounters requests;
 };
 
+/// Throws std::invalid_argument if a name is longer than control::kMaxName, or two are equal.
+void check_scene_names(const std::vector<Scene>& scenes);
+
 class Server {
  public:
   /// Loads the scenes, the certificate and the tokens of the configuration, binds every port and

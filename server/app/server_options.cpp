@@ -86,7 +86,7 @@ ServerTask server_task(int argc, char** argv) {
                "status 0: the server answers");
   app.add_flag("--check-config", asked.check,
                "Check the options and the files that they name, and exit. Exit status 0: a server "
-               "would start with them, if its ports are free");
+               "would start with them, if its ports are free and it can write its files");
   const std::vector<std::string> ending = {"explain", "health", "check-config"};
   read_environment(app, argc, argv, {.program = "server", .ending = ending});
   ConfigFile config;

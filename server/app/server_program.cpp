@@ -105,14 +105,14 @@ void print_ready(const ServerConfig& config, const Server& server) {
 /// Reads the files of the configuration, and opens nothing. Throws FileError with the first that is
 /// wrong.
 int check_config(const ServerConfig& config) {
+  std::vector<Scene> scenes;
   for (const auto& file : config.scenes) {
-    const Scene scene = load_scene(file);
-    for (const std::string& warning : scene.warnings())
+    scenes.push_back(load_scene(file));
+    for (const std::string& warning : scenes.back().warnings())
       std::fprintf(stderr, "%s\n", visible(file.string() + ": warning: " + warning).c_str());
   }
-  if (!config.certificate.empty()) load_identity(config.certificate, config.key);
-  if (!config.tokens.empty()) const TokenFile tokens(config.tokens);
-  if (!config.client_ca.empty()) read_text(config.client_ca);
+  check_scene_names(scenes);
+  check_security(config);
   std::printf("the configuration is right, %zu scene(s)\n", config.scenes.size());
   return 0;
 }

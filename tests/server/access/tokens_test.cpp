@@ -271,6 +271,14 @@ TEST(State, IsNotNeededWhereAllIsNamed) {
   EXPECT_EQ(fingerprint(security.identity), fingerprint(identity));
   EXPECT_EQ(folder.entries(), 3u);
 
+  // A chain whose second certificate is half written.
+  replace_file(config.certificate, identity.certificate + "-----BEGIN CERTIFICATE-----\nAAAA\n",
+               kPublic);
+  EXPECT_THAT(error_of<FileError>([&] { open_security(config); }),
+              HasSubstr(config.certificate.string() + ": TLS refuses it"));
+  EXPECT_THROW(read_identity_again(config), FileError);
+  replace_file(config.certificate, identity.certificate, kPublic);
+
   replace_file(config.key, identity.key.text(), kPublic);
   EXPECT_THAT(
       error_of<FileError>([&] { open_security(config); }),

@@ -165,7 +165,8 @@ TEST(Operation, TheProgramChecksItsConfiguration) {
   const std::string scene = path("checked_scene.json");
   std::ofstream(scene) << R"({"name": "wall", "materials": [{"name": "wood", "stiffness": 1000}],
     "objects": [{"name": "floor", "plane": {}, "material": "wood"}]})";
-  const std::string begin = "{\"scenes\": [\"" + scene + "\"]";
+  const std::string state = path("checked_state");
+  const std::string begin = "{\"scenes\": [\"" + scene + "\"], \"state\": \"" + state + "\"";
   const test::Outcome good = check(begin + ", \"port\": 0}");
   EXPECT_EQ(good.out, "the configuration is right, 1 scene(s)\n");
   EXPECT_EQ(good.status, 0) << good.error;
@@ -175,6 +176,18 @@ TEST(Operation, TheProgramChecksItsConfiguration) {
   EXPECT_THAT(check(begin + ", \"client_ca\": \"no_ca.pem\"}").error, HasSubstr("no_ca.pem"));
   EXPECT_THAT(check(begin + ",\n\"prot\": 0}").error, HasSubstr("checked.json:2: prot"));
   EXPECT_EQ(check(begin + ", \"join_rate\": 0}").status, 1);
+  EXPECT_FALSE(std::filesystem::exists(state));
+  const std::string junk = path("junk.pem");
+  std::ofstream(junk) << "junk";
+  EXPECT_THAT(check(begin + ", \"client_ca\": \"" + junk + "\"}").error,
+              HasSubstr("junk.pem: holds no authority's certificate"));
+  EXPECT_THAT(check("{\"scenes\": [\"" + scene + "\", \"" + scene + "\"]}").error,
+              HasSubstr("two scenes are named 'wall'"));
+  std::filesystem::create_directory(state);
+  std::filesystem::permissions(state, std::filesystem::perms::owner_all);
+  std::ofstream(state + "/tokens.json") << "junk";
+  EXPECT_THAT(check(begin + "}").error, HasSubstr("checked_state/tokens.json:"));
+  std::filesystem::remove_all(state);
 }
 
 TEST(Operation, TheProgramTakesItsOptionsFromTheEnvironmentAndCountsOnASignal) {
