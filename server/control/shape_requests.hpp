@@ -18,8 +18,8 @@ namespace feltwire {
 control::ShapeDescriptions described_shapes(const SceneInView::CurrentScene& current,
                                             const control::DescribeShapes& request);
 
-/// Gives out vertices and triangles. Owns the triangles of grids: they take some 10 ms, so they are
-/// made once for each version of a scene. It is on the control thread.
+/// Gives out vertices and triangles. Owns the triangles of grids: they take 30 to 70 ms, so they
+/// are made once for each version of a scene. It is on the control thread.
 class ShapeParts {
  public:
   /// The next part, or the refusal. `scene`: the number of the scene among those of the server.
