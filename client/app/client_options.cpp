@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <string_view>
@@ -123,6 +124,11 @@ std::variant<ClientOptions, int> parse(int argc, const char* const* argv, std::s
       std::vector<std::string> command_line = ending;
       command_line.emplace_back("config");
       config = read_config(app, read_text(*file), *file, command_line, file_value);
+      // The token of the environment has no option that would override the file.
+      if (const char* const token = std::getenv("FELTWIRE_TOKEN");
+          reads_environment && token != nullptr && *token != '\0')
+        std::erase_if(config.entries,
+                      [](const ConfigEntry& entry) { return entry.option == "token-file"; });
     }
     const auto words =
         words_with_config(app, argc, argv, config, client_rivals(), reads_environment);

@@ -69,7 +69,10 @@ class Reader {
     const std::string begin = "--" + name + "=";
     if (node.kind != Kind::array) {
       if (repeats(option)) fail(node, "is a list; write [ and ] around its values");
-      return {begin + value(name, node, node.key)};
+      std::string one = value(name, node, node.key);
+      // CLI11 would take the next word of the command line for the value.
+      if (one.empty()) fail(node, "is empty; leave it out, or write its value");
+      return {one.insert(0, begin)};
     }
     if (!repeats(option) && option.get_items_expected_max() == 1)
       fail(node, "has one value; write it without brackets");
@@ -84,6 +87,16 @@ class Reader {
       return values;
     }
     if (values.empty()) fail(node, "is empty; leave it out, or write its values");
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (values[i].find(',') != std::string::npos)
+        fail(node.children[i], node.key + "[" + std::to_string(i) + "]",
+             "has a comma; write one value");
+    // CLI11 would take further words of the command line for the missing values.
+    const std::size_t needed = static_cast<std::size_t>(option.get_items_expected_min());
+    if (values.size() < needed || (values.size() > needed && option.get_items_expected_max() ==
+                                                                 option.get_items_expected_min()))
+      fail(node,
+           "has " + std::to_string(values.size()) + " values; write " + std::to_string(needed));
     std::string joined = begin + values.front();
     for (std::size_t i = 1; i < values.size(); ++i) joined += "," + values[i];
     return {joined};
@@ -113,7 +126,11 @@ class Reader {
 
   std::string text_of(const json::Node& node, const std::string& key) const {
     try {
-      return nlohmann::json::parse('"' + node.text + '"').get<std::string>();
+      std::string text = nlohmann::json::parse('"' + node.text + '"').get<std::string>();
+      // It would end the name of a file early.
+      if (text.find('\0') != std::string::npos)
+        fail(node, key, "has the character \\u0000; remove it");
+      return text;
     } catch (const nlohmann::json::exception&) {
       fail(node, key, "has an escape that stands for no character; write the character itself");
     }

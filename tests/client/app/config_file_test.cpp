@@ -95,6 +95,11 @@ TEST_F(ConfigFileOfClient, CommandLineThenEnvironmentOverrideIt) {
   EXPECT_EQ(std::get<ClientOptions>(made).name, "of the file");
 }
 
+TEST_F(ConfigFileOfClient, TheTokenOfTheEnvironmentOverridesItsTokenFile) {
+  // parsed() sets FELTWIRE_TOKEN.
+  EXPECT_EQ(options(R"({"token_file": "no_such_file", "name": "hand"})").name, "hand");
+}
+
 TEST_F(ConfigFileOfClient, CommandLineDropsRivalsFromIt) {
   // parsed() gives --fingerprint, which excludes the other two ways to trust.
   EXPECT_TRUE(std::holds_alternative<Fingerprint>(
@@ -137,10 +142,17 @@ TEST_F(ConfigFileOfClient, ErrorsNameFileLineFieldAndRemedy) {
   EXPECT_THAT(refused("{\n\"rate\": [1]}"), starts(2, "rate: has one value"));
   EXPECT_THAT(refused("{\n\"center\": []}"), starts(2, "center: is empty"));
   EXPECT_THAT(refused("{\n\"center\": [1, [2], 3]}"), starts(2, "center[1]: "));
-  EXPECT_THAT(refused("{\n\"center\": [1, 2]}"), starts(2, "center: "));
+  EXPECT_THAT(refused("{\n\"center\": [1, 2]}"), starts(2, "center: has 2 values; write 3"));
+  EXPECT_THAT(refused("{\n\"center\": [1, 2, 3, 4]}"), starts(2, "center: has 4 values; write 3"));
+  EXPECT_THAT(refused("{\n\"center\": [\"1,2\", 3]}"), starts(2, "center[0]: "));
   EXPECT_THAT(refused("{\n\"local_model\": 1}"), starts(2, "local_model: is on or off"));
   EXPECT_THAT(refused("{\n\"name\": true}"), starts(2, "name: is a number or a text"));
   EXPECT_THAT(refused("{\n\"name\": \"\\ud800\"}"), starts(2, "name: has an escape"));
+  EXPECT_THAT(refused("{\n\"ca\": \"a.pem\\u0000b\"}"), starts(2, "ca: has the character \\u0000"));
+  // An empty value must not take the next option for its value.
+  EXPECT_THAT(refused("{\n\"report\": \"\", \"record\": \"a.csv\"}"),
+              starts(2, "report: is empty"));
+  EXPECT_THAT(refused("{\n\"name\": \"\"}"), starts(2, "name: is empty"));
   EXPECT_THAT(refused("{\n\"device\": \"omega\"}"), starts(2, "device: "));
   EXPECT_THAT(refused("{\n\"config\": \"b.json\"}"), starts(2, "config: cannot be in a file"));
   EXPECT_THAT(refused("{\n\"list\": true}"), starts(2, "list: cannot be in a file"));
