@@ -85,6 +85,21 @@ class Recorders(unittest.TestCase):
                 hand.record(full, replace=True)
             self.assertIsNotNone(eventually("it goes on", hand.latest))
 
+    def test_a_text_with_a_zero_byte_is_refused_and_not_cut(self):
+        with self.server.join(**PATIENT) as hand:
+            with self.assertRaisesRegex(ValueError, "has a zero byte"):
+                hand.record(f"{self.file}\0.csv")
+            self.assertFalse(self.file.exists())
+            with self.assertRaisesRegex(ValueError, "needs a text or a path, not 5"):
+                hand.record(5)
+            with hand.record(self.file) as recorder:
+                with self.assertRaisesRegex(ValueError, "has a zero byte"):
+                    recorder.mark("grasped\0 by the wrong end")
+        with self.server.admin() as admin, self.assertRaisesRegex(ValueError, "has a zero byte"):
+            admin.request("set", "--object", "desk\0top", "--stiffness", 500)
+        with self.assertRaisesRegex(ValueError, "has a zero byte"):
+            self.server.join(path="press\0slide")
+
     def test_it_may_be_closed_after_its_hand(self):
         with self.server.join(**PATIENT) as hand:
             recorder = hand.record(self.file, seconds=60)

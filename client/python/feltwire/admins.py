@@ -9,6 +9,7 @@ from .hand import _raise
 from .library import BLOCKING
 from .observer import access
 from .options import words as words_of
+from .values import text_bytes
 
 
 def admin(server, *, token_file=None, fingerprint=None, fingerprint_file=None, ca_file=None, certificate_file=None, key_file=None):
@@ -48,7 +49,7 @@ class Admin:
     def request(self, *words):
         """Runs a command with the words of `feltwire-client admin`: request("set", "--object", "table", "--stiffness", 500). Returns its
         answer with --json as lists and dictionaries."""
-        encoded = [str(word).encode() for word in words]
+        encoded = [text_bytes(str(word), str.encode) for word in words]
         answer = ctypes.c_char_p()
         with self._lock:
             if self._handle is None:

@@ -15,7 +15,7 @@ from .forked import renew_after_fork
 from .library import BLOCKING, QUICK
 from .options import words as _words
 from .tables import numpy_or_none
-from .values import set_number, set_vector
+from .values import set_number, set_vector, text_bytes
 
 if TYPE_CHECKING:
     from .recorder import Recorder
@@ -45,7 +45,7 @@ def _raise(result: int) -> NoReturn:
 
 
 def _bytes(text: Optional[Path]) -> Optional[bytes]:
-    return None if text is None else os.fsencode(text)
+    return None if text is None else text_bytes(text)
 
 
 def messages_of(one: Any, call: Callable[..., int]) -> List[str]:
@@ -62,7 +62,7 @@ def set_hand(given: Any, device: str, spec: Optional[Path], name: str, duration:
     given.device, given.name, given.spec = _bytes(device), _bytes(name), _bytes(spec)
     set_number(given, "duration", duration, "duration", " [s]")
     set_number(given, "stale_after", stale_after, "stale_after", " [s]")
-    more = [os.fsencode(word) for word in _words(options)]
+    more = [text_bytes(word) for word in _words(options)]
     given.more, given.more_count = (ctypes.c_char_p * max(len(more), 1))(*more), len(more)
 
 
@@ -226,8 +226,10 @@ class Hand:
 
     def stop(self) -> None:
         """Lets the force fade and ends the run. Does not wait."""
-        with self._lock:
-            BLOCKING.fw_hand_stop(self._open())
+        # QUICK, and without the lock, which a thread in wait() has for 0.1 s.
+        result = QUICK.fw_hand_stop(self._open())
+        if result < 0:
+            _raise(result)
 
     def close(self) -> None:
         """Ends the run, and leaves the scene. Raises Error if an error had ended the run. May be called again."""

@@ -10,7 +10,7 @@ from .errors import Error
 from .forked import renew_after_fork
 from .hand import Path, _bytes, _raise
 from .library import BLOCKING, QUICK
-from .values import set_number
+from .values import set_number, text_bytes
 
 
 def opened(hand: ctypes.c_void_p, file: Path, replace: bool, mebibytes: float, seconds: float) -> Recorder:
@@ -58,7 +58,7 @@ class Recorder:
         """Writes a text at this moment into the recording: a metadata record `mark` with `text` and `time` [ns since 1970]. Raises Error if the
         file can be written no more."""
         with self._lock:
-            result = BLOCKING.fw_recorder_mark(self._open(), str(text).encode())
+            result = BLOCKING.fw_recorder_mark(self._open(), text_bytes(str(text), str.encode))
         if result != abi.OK:
             _raise(result)
 

@@ -2,7 +2,8 @@
 from __future__ import annotations
 
 import ctypes
-from typing import Any
+import os
+from typing import Any, Callable
 
 
 class Struct(ctypes.Structure):
@@ -11,6 +12,17 @@ class Struct(ctypes.Structure):
     def __repr__(self) -> str:
         values = ((field[0], getattr(self, field[0])) for field in self._fields_ if field[0] not in ("struct_size", "reserved"))
         return f"{type(self).__name__}({', '.join(f'{name}={tuple(v) if isinstance(v, ctypes.Array) else v!r}' for name, v in values)})"
+
+
+def text_bytes(text: Any, encode: Callable[[Any], bytes] = os.fsencode) -> bytes:
+    """A text or a path for the library, whose texts end at a zero byte. Raises ValueError for what is neither, or has a zero byte."""
+    try:
+        found = encode(text)
+    except (TypeError, AttributeError):
+        raise ValueError(f"the library needs a text or a path, not {text!r}") from None
+    if b"\0" in found:
+        raise ValueError(f"{text!r} has a zero byte, at which the library would end it; leave it out")
+    return found
 
 
 def set_vector(to: Any, field: str, value: Any, name: str, meaning: str) -> None:
