@@ -91,6 +91,11 @@ class AsyncHands(unittest.IsolatedAsyncioTestCase):
                                          token_file=self.server.token_file):
                 pass
 
+    async def test_a_hand_of_the_program_has_a_gripper_too(self):
+        async with self.join(device="caller") as hand:
+            self.assertIsNotNone(hand.exchange((0.0, 0.0, 0.1), deadman=True, gripper=0.04))
+            self.assertEqual(hand.hand._pose.gripper, 0.04)
+
     async def test_a_join_that_is_cancelled_closes_its_hand(self):
         joining = asyncio.ensure_future(self.join()._run())
         await asyncio.sleep(0)

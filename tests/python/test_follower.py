@@ -145,6 +145,7 @@ class Followers(unittest.TestCase):
     def test_options_that_are_wrong_are_named(self):
         for wrong, text in (({"stiffness": 0}, "stiffness must be"), ({"period": 1}, "period must be"), ({"locked": ["w"]}, "locked has 'w'"),
                             ({"workspace": ((0, 0, 0), (0, 1, 1))}, "workspace_low must be"), ({"workspace": [1]}, "two corners"),
+                            ({"workspace": 5}, "two corners"), ({"locked": 5}, "locked must be a list"), ({"seat": "a\0b"}, "has a zero byte"),
                             ({"mass": "much"}, "mass must be a number")):
             with self.assertRaisesRegex(ValueError, text):
                 self.server.follow(**{"stiffness": STIFFNESS, **wrong})
@@ -165,6 +166,9 @@ class Followers(unittest.TestCase):
                 except feltwire.ServerError:
                     await asyncio.sleep(0.05)
             async with follower:
+                for rate in (0, -5, float("nan")):
+                    with self.assertRaisesRegex(ValueError, "rate must be above 0 Hz"):
+                        await follower.paced(rate).__anext__()
                 async for _ in follower.paced(200):
                     target = follower.exchange((0.0, 0.0, START))
                     if target.number > 50:

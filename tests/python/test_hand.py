@@ -70,6 +70,15 @@ class Hands(unittest.TestCase):
             for thread in threads:
                 thread.join()
 
+    def test_stop_does_not_wait_for_a_thread_that_waits(self):
+        with self.server.join(**PATIENT) as hand:
+            with hand._lock:  # as a thread in wait() holds it
+                stopping = threading.Thread(target=hand.stop, daemon=True)
+                stopping.start()
+                stopping.join(LONGEST)
+                self.assertFalse(stopping.is_alive())
+            self.assertTrue(hand.wait(LONGEST))
+
     def test_ticks_as_arrays_and_as_lists(self):
         """An array of many ticks is no copy, and what is fetched later does not change it."""
         with self.server.join(path="press", **PATIENT) as hand, unittest.mock.patch("feltwire.hand._WORTH_KEEPING", 1):

@@ -15,6 +15,7 @@ from . import abi
 from . import follower as followers
 from . import hand as blocking
 from .errors import Error
+from .pacing import require_rate
 
 _PERIOD = 0.02  # [s] between two looks at a hand
 _Handle = TypeVar("_Handle", "Hand", "Follower")
@@ -118,9 +119,9 @@ class Hand(_Run):
         return self.hand.latest()
 
     def exchange(self, position: Sequence[float], orientation: Sequence[float] = (1.0, 0.0, 0.0, 0.0), buttons: int = 0,
-                 deadman: bool = False) -> Optional[Tuple[Tuple[float, ...], Tuple[float, ...]]]:
+                 deadman: bool = False, gripper: float = -1.0) -> Optional[Tuple[Tuple[float, ...], Tuple[float, ...]]]:
         """As feltwire.Hand.exchange(). Never waits."""
-        return self.hand.exchange(position, orientation, buttons, deadman)
+        return self.hand.exchange(position, orientation, buttons, deadman, gripper)
 
     def why_no_force(self) -> str:
         """As feltwire.Hand.why_no_force(). Never waits."""
@@ -176,6 +177,7 @@ class Follower(_Run):
     async def paced(self, rate: float, duration: Optional[float] = None) -> AsyncIterator[float]:
         """Yields the time [s] since the call, `rate` times a second, until the run has ended or for `duration` [s]. A loop that has other work
         is late by it; a robot that needs an even pace has a thread, and feltwire.Follower."""
+        require_rate(rate)
         loop = asyncio.get_running_loop()
         begin = due = loop.time()
         while not self._ended() and (duration is None or due - begin < duration):

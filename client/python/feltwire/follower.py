@@ -60,10 +60,12 @@ def follow(server: str, scene: str, *, stiffness: float, seat: Optional[str] = N
             set_number(given, field, value, field)
     given.estimates_force = bool(estimates_force)
     if workspace is not None:
-        if len(workspace) != 2:
+        if not hasattr(workspace, "__len__") or len(workspace) != 2:
             raise ValueError(f"workspace must be two corners of a box [m], is {workspace!r}")
         set_vector(given, "workspace_low", workspace[0], "workspace[0]", " [m]")
         set_vector(given, "workspace_high", workspace[1], "workspace[1]", " [m]")
+    if not isinstance(locked, (list, tuple, set, frozenset)):
+        raise ValueError(f"locked must be a list of {', '.join(_AXES)}, is {locked!r}")
     for axis in locked:
         if axis not in _AXES:
             raise ValueError(f"locked has {axis!r}; give some of {', '.join(_AXES)}")
@@ -200,8 +202,10 @@ class Follower:
 
     def stop(self) -> None:
         """Leaves the scene. The target brakes for 0.25 s, then exchange() returns None. Does not wait."""
-        with self._lock:
-            BLOCKING.fw_follower_stop(self._open())
+        # QUICK, and without the lock, which a thread in wait() has for 0.1 s.
+        result = QUICK.fw_follower_stop(self._open())
+        if result < 0:
+            _raise(result)
 
     def close(self) -> None:
         """Leaves the scene; the robot stays at its last target. Raises Error if an error had ended the run. May be called again."""
