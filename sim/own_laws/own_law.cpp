@@ -97,6 +97,10 @@ BoundingLaw make_own_law(const BoundingConfig& device) {
 }  // namespace
 
 void add_own_law(const OwnLawEntry& entry, std::unique_ptr<OwnLaw> law) {
+  if (entry.name == "reference")
+    throw std::invalid_argument(
+        "bounding method 'reference': the tables have the surface itself under this name; take "
+        "another");
   AddedLaw& added = added_laws().emplace_back(AddedLaw{entry, std::move(law)});
   try {
     add_bounding_method({.name = added.entry.name,

@@ -9,7 +9,7 @@ import unittest
 
 from support import SOURCE
 import feltwire
-from feltwire import lab
+from feltwire import lab, laws
 from feltwire.library import program
 
 EXAMPLES = pathlib.Path(program("feltwire-lab")).resolve().parent.parent / "examples"  # of the build
@@ -217,6 +217,33 @@ class Wrong(unittest.TestCase):
             lab.compare(EnergyStore, scene="plane.json")
         with self.assertRaisesRegex(feltwire.Error, "unknown task 'tab'; choose one of: wall"):
             lab.compare(EnergyStore, tasks="tab")
+
+    def test_entries_of_other_types_and_names_of_the_table(self):
+        for entries, words in (({"promise": ["port"]}, "promise .* is not one of none, port"), ({"kept_despite": None}, "kept_despite is not a list"),
+                               ({"kept_despite": [["reductions"]]}, "kept_despite is not a list")):
+            with self.assertRaisesRegex(ValueError, words):
+                lab.compare(type("Mine", (EnergyStore,), entries), **QUICK)
+        with self.assertRaisesRegex(feltwire.Error, "'reference': the tables have the surface itself under this name; take another"):
+            lab.compare(type("Mine", (EnergyStore,), {"name": "reference"}), **QUICK)
+        twice = type("Mine", (EnergyStore,), {"kept_despite": ["overlong_holds", "overlong_holds"]})
+        once = type("Mine", (EnergyStore,), {"kept_despite": ["overlong_holds"]})
+        self.assertEqual(laws._Law(twice).description, laws._Law(once).description)
+
+    def test_an_error_without_words_is_named_too(self):
+        class Mute(Exception):
+            def __str__(self):
+                raise RuntimeError("no words")
+
+        def mute(step):
+            raise Mute
+
+        with self.assertRaisesRegex(lab.LawError, "^law mute: step 1: it raised Mute"):
+            lab.compare(mute, **QUICK)
+
+    def test_a_laboratory_that_has_ended_before_it_was_asked(self):
+        server = laws.LawServer([EnergyStore])
+        self.addCleanup(server.close)
+        server.serve()  # there is no child
 
     def test_a_timeout(self):
         with self.assertRaises(subprocess.TimeoutExpired):

@@ -109,6 +109,14 @@ def law_name(law: Any) -> str:
     return given
 
 
+def _described(error: Exception) -> str:
+    """Its kind and its words, if it can say them."""
+    try:
+        return f"{type(error).__name__}: {error}"
+    except Exception:  # of its own __str__()
+        return type(error).__name__
+
+
 class _Law:
     """A law of the program, and its entry in the laboratory."""
 
@@ -119,13 +127,12 @@ class _Law:
             raise ValueError(f"the class {law.__name__} has no step(); docs/own_bounding_law.md has an example")
         self.law, self.name = law, law_name(law)
         promise, kept = getattr(law, "promise", "port"), getattr(law, "kept_despite", tuple(FAULTS))
-        if promise not in PROMISES:
+        if not isinstance(promise, str) or promise not in PROMISES:
             raise ValueError(f"law {self.name}: its promise {promise!r} is not one of {', '.join(PROMISES)}")
-        unknown = [fault for fault in kept if fault not in FAULTS]
-        if isinstance(kept, str) or unknown:
+        if not isinstance(kept, (list, tuple, set, frozenset)) or any(not isinstance(fault, str) or fault not in FAULTS for fault in kept):
             raise ValueError(f"law {self.name}: kept_despite is not a list of {', '.join(FAULTS)}")
         name = self.name.encode()
-        self.description = _DESCRIPTION.pack(PROMISES[promise], sum(FAULTS[fault] for fault in kept),
+        self.description = _DESCRIPTION.pack(PROMISES[promise], sum(FAULTS[fault] for fault in set(kept)),
                                              bool(getattr(law, "admits_reduction", True)), len(name)) + name
 
     def run(self, device: Device) -> Any:
@@ -177,11 +184,11 @@ class LawServer:
     def serve(self) -> None:
         """Answers until the child has ended. Call it after the child was started."""
         self.child.close()
-        self._socket.sendall(b"".join(law.description for law in self._laws))
         request = bytearray(_REQUEST.size)
         view = memoryview(request)
         receive, send, unpack = self._socket.recv_into, self._socket.sendall, _REQUEST.unpack_from
         try:
+            send(b"".join(law.description for law in self._laws))
             while True:
                 size = receive(view)
                 while 0 < size < _REQUEST.size and (more := receive(view[size:])):
@@ -228,7 +235,7 @@ class LawServer:
 
     def _fail(self, law: int, number: int, error: Exception) -> None:
         at = self._runs[number].steps if number in self._runs else 0
-        what = str(error) if isinstance(error, LawError) else f"it raised {type(error).__name__}: {error}; __cause__ is the error itself"
+        what = str(error) if isinstance(error, LawError) else f"it raised {_described(error)}; __cause__ is the error itself"
         self.error = LawError(f"law {self._laws[law].name}: step {at}: {what}")
         if not isinstance(error, LawError):
             self.error.__cause__ = error
