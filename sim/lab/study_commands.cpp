@@ -132,6 +132,7 @@ void add_frontier(CLI::App& app) {
                     "With --plant: laws and energy accounts use the motor lag of the plant");
   CLI::Option* judged = command->add_flag(
       "--judged", o->judged, "Print the bars of a real device on drawn hands and plants");
+  for (const char* option : {"--plant", "--told"}) judged->excludes(command->get_option(option));
   command->add_option("--hands", o->hands, "Number of drawn hands")
       ->needs(judged)
       ->check(CLI::Range(0, 10000))

@@ -110,6 +110,9 @@ const feltwire_law_v1& functions_of(const SharedLibrary& library) {
   if (law->state_size > kOwnLawMemory)
     refuse(file, "its state has " + std::to_string(law->state_size) + " bytes; at most " +
                      std::to_string(kOwnLawMemory) + " are kept for it");
+  if ((law->kept_despite & ~FELTWIRE_KEPT_ALL) != 0)
+    refuse(file, "its kept_despite is " + std::to_string(law->kept_despite) +
+                     "; add up FELTWIRE_KEPT_... of this program's feltwire_law_v1.h");
   return *law;
 }
 

@@ -144,9 +144,23 @@ class Judged(unittest.TestCase):
                             ("my_law.so,", "cannot be loaded|no such file")):
             with self.assertRaisesRegex(feltwire.Error, words):
                 lab.run("extremes", law=EXAMPLES / file)
+        with tempfile.TemporaryDirectory() as folder:
+            odd = pathlib.Path(folder) / "odd.so"
+            text = (SOURCE / "examples/my_law.c").read_text(encoding="utf-8").replace("FELTWIRE_KEPT_ALL,", "77,")
+            text = text.replace("<feltwire/", f"<{SOURCE}/")
+            subprocess.run(["cc", "-std=c99", "-shared", "-fPIC", "-x", "c", "-", "-o", odd, "-lm"], input=text, text=True, check=True)
+            with self.assertRaisesRegex(feltwire.Error, "kept_despite is 77; add up FELTWIRE_KEPT_"):
+                lab.run("extremes", law=odd, hands=1)
         twice = subprocess.run([program("feltwire-lab"), "extremes", *2 * ["--law", str(EXAMPLES / "my_law.so")]], capture_output=True, text=True,
                                check=False)
         self.assertIn("bounding method 'my_law': there is one of that name; take another", twice.stderr)
+
+
+class Frontier(unittest.TestCase):
+    def test_the_drawn_plants_take_no_other_plant(self):
+        for option in ({"told": True}, {"plant": "plant.json"}):
+            with self.assertRaisesRegex(feltwire.Error, "--judged excludes|excludes --judged"):
+                lab.run("frontier", judged=True, hands=0, **option)
 
 
 class Wrong(unittest.TestCase):
