@@ -168,6 +168,7 @@ TEST_F(ConfigFileOfClient, ErrorsNameFileLineFieldAndRemedy) {
 }
 
 TEST_F(ConfigFileOfClient, WordsOfAProgramHaveItToo) {
+  ::setenv("FELTWIRE_TOKEN", "fw_of_a_test", 1);
   EXPECT_EQ(options_of({"--connect", "localhost:1", "--scene", "room", "--fingerprint", kPrint,
                         "--config", file(R"({"rate": 500})")})
                 .parameters.servo_period,
