@@ -217,8 +217,10 @@ struct Server::Parts {
   void open_metrics(const ServerConfig& config, const Security& security) {
     web::WebOptions options = page_place(config.metrics, config.web_names);
     options.counters_only = true;
-    options.metrics = [this](const web::ViewerHubCounters& counters) {
-      return metrics_text(summary(), control_summary(), counters);
+    options.metrics = [this](const web::ViewerHubCounters& none) {
+      // The viewers are those of the page. This port stops before it.
+      return metrics_text(summary(), control_summary(),
+                          web != nullptr ? web->counters_now() : none);
     };
     metrics = std::make_unique<web::WebServer>(options, web::ViewerHub::Scenes{}, security.tokens,
                                                security.identity);

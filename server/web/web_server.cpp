@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <asio/post.hpp>
 #include <chrono>
+#include <future>
 #include <utility>
 
 #include "protocol/net/clock.hpp"
@@ -66,6 +67,12 @@ void WebServer::renew(const Identity& identity) {
   asio::post(io_, [this, identity] {
     if (tls_) tls_ = server_tls(identity);
   });
+}
+
+ViewerHubCounters WebServer::counters_now() {
+  std::promise<ViewerHubCounters> counted;
+  asio::post(io_, [&] { counted.set_value(hub_.counters()); });
+  return counted.get_future().get();
 }
 
 void WebServer::tell(std::size_t scene, std::optional<std::string> wrong) {

@@ -68,8 +68,9 @@ class WebServer final : private ConnectionHost {
   std::uint16_t port() const { return port_; }
   /// The page's address for a browser on this machine: "http://127.0.0.1:6760/".
   std::string url() const;
-  /// Precondition: the server is stopped, or the caller is on its thread.
-  ViewerHubCounters counters() const { return hub_.counters(); }
+  /// The counters at this moment, for another thread while this server runs. Blocks until the
+  /// page's thread has counted.
+  ViewerHubCounters counters_now();
 
  private:
   asio::io_context& io() override { return io_; }

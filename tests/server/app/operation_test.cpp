@@ -155,6 +155,33 @@ TEST(Operation, CountersHaveAPortWithoutThePage) {
   EXPECT_THAT(answer, HasSubstr("feltwire_sessions{scene=\"room\"} 0\n"));
 }
 
+/// The counters of the viewers are those of the page, at either port.
+TEST(Operation, ThePortOfTheCountersHasThoseOfThePage) {
+  ServerConfig config;
+  config.port = 0;
+  config.metrics = "0";
+  config.web = "0";
+  std::vector<Scene> scenes;
+  scenes.push_back(test::room());
+  Server server(config, std::move(scenes), test::security());
+  const auto asked = [](const std::string& url, const std::string& question) {
+    const std::string port = url.substr(url.rfind(':') + 1);
+    test::RawSocket socket(SOCK_STREAM, static_cast<std::uint16_t>(std::stoi(port)));
+    socket.send({reinterpret_cast<const std::uint8_t*>(question.data()), question.size()});
+    std::string answer;
+    for (auto part = socket.receive(); !part.empty(); part = socket.receive())
+      answer.append(part.begin(), part.end());
+    return answer;
+  };
+  EXPECT_THAT(asked(server.web_url(),
+                    "GET /ticket?scene=room HTTP/1.1\r\nHost: 127.0.0.1\r\n"
+                    "Authorization: Bearer " +
+                        std::string(test::admin_token().text.text()) + "\r\n\r\n"),
+              StartsWith("HTTP/1.1 200 "));
+  EXPECT_THAT(asked(server.metrics_url(), "GET /metrics HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"),
+              HasSubstr("\nfeltwire_tickets_total 1\n"));
+}
+
 /// A configuration is checked with the files that it names, and without opening a port.
 TEST(Operation, TheProgramChecksItsConfiguration) {
   const std::string file = path("checked.json");
