@@ -115,7 +115,7 @@ class Reader {
   std::string value(const std::string& name, const json::Node& node, const std::string& key) const {
     if (node.kind != Kind::number && node.kind != Kind::string)
       fail(node, key, "is a number or a text; write it so");
-    const std::string text = node.kind == Kind::number ? node.text : text_of(node, key);
+    std::string text = node.kind == Kind::number ? node.text : text_of(node, key);
     if (text.empty() || !file_value_) return text;
     try {
       return file_value_(name, text, std::filesystem::path(file_).parent_path());

@@ -87,7 +87,7 @@ Identity own_identity(const SecurityOptions& config, const fs::path& folder) {
 /// Reads the authorities of the clients. Empty: clients need no certificate.
 std::string read_authorities(const SecurityOptions& config) {
   if (config.client_ca.empty()) return {};
-  const std::string authorities = read_text(config.client_ca);
+  std::string authorities = read_text(config.client_ca);
   std::error_code wrong;
   asio::ssl::context(asio::ssl::context::tls_server)
       .add_certificate_authority(asio::buffer(authorities), wrong);
