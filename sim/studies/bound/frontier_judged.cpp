@@ -84,6 +84,7 @@ struct Judged {
 Judged judge(const JudgedBar& bar, std::uint64_t seed, int hands) {
   const auto rows = run_frontier(judged_cases(bar, seed, hands));
   std::vector<double> shares;
+  shares.reserve(rows.size());
   for (const FrontierRow& row : rows)
     shares.push_back(row.oscillation < kCalm ? row.displayed_at_encoder : 0.0);
   return {over_hands(rows, [](const FrontierCase&) { return true; }), median(shares)};
