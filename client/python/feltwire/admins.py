@@ -1,11 +1,9 @@
 """An admin of a server that runs: docs/admin.md."""
 import ctypes
 import json
-import threading
 
 from . import abi
-from .forked import renew_after_fork
-from .hand import _raise
+from .handle import Handle, _raise
 from .library import BLOCKING
 from .observer import access
 from .options import words as words_of
@@ -25,26 +23,14 @@ def admin(server, *, token_file=None, fingerprint=None, fingerprint_file=None, c
     return Admin(handle)
 
 
-class Admin:
+class Admin(Handle):
     """Lists and changes what runs on a server. Use it in a `with` block, or call close(). Each call is a command of `feltwire-client admin`:
     it blocks until the server has answered, and raises ValueError for wrong words, Refused, or ServerError. Any thread may call it.
 
     scene: a name; None: the only scene of the server, or for lists all of them.
     """
 
-    def __init__(self, handle):
-        self._handle = handle
-        self.renew_locks()
-        renew_after_fork(self)
-
-    def renew_locks(self):
-        self._lock = threading.Lock()
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.close()
+    NAME = "admin"
 
     def request(self, *words):
         """Runs a command with the words of `feltwire-client admin`: request("set", "--object", "table", "--stiffness", 500). Returns its
@@ -52,9 +38,7 @@ class Admin:
         encoded = [text_bytes(str(word), str.encode) for word in words]
         answer = ctypes.c_char_p()
         with self._lock:
-            if self._handle is None:
-                raise ValueError("the admin is closed")
-            result = BLOCKING.fw_admin_request(self._handle, (ctypes.c_char_p * len(encoded))(*encoded), len(encoded), answer)
+            result = BLOCKING.fw_admin_request(self._open(), (ctypes.c_char_p * len(encoded))(*encoded), len(encoded), answer)
             if result != abi.OK:
                 _raise(result)
             return json.loads(answer.value)
@@ -93,12 +77,4 @@ class Admin:
 
     def close(self):
         """Forgets the credentials. May be called again."""
-        with self._lock:
-            handle, self._handle = self._handle, None
-        if handle is not None:
-            BLOCKING.fw_admin_close(handle)
-
-    def __del__(self):
-        handle, self._handle = getattr(self, "_handle", None), None
-        if handle is not None:
-            BLOCKING.fw_admin_close(handle)
+        super().close()

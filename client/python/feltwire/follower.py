@@ -3,13 +3,11 @@ from __future__ import annotations
 
 import ctypes
 import os
-import threading
-from typing import Any, Iterator, List, NoReturn, Optional, Sequence, Tuple, Union
+from typing import Any, Iterator, List, Optional, Sequence, Tuple, Union
 
 from . import abi
-from .errors import Error
-from .forked import renew_after_fork
-from .hand import _bytes, _raise, messages_of
+from .hand import _bytes
+from .handle import Handle, _raise, messages_of
 from .library import BLOCKING, QUICK
 from .observer import access
 from .pacing import paced
@@ -77,7 +75,7 @@ def follow(server: str, scene: str, *, stiffness: float, seat: Optional[str] = N
     return Follower(handle)
 
 
-class Follower:
+class Follower(Handle):
     """A robot that follows a hand. Use it in a `with` block, or call close(). In a loop of 100 to 1000 Hz:
 
         for _ in follower.paced(500):
@@ -87,39 +85,15 @@ class Follower:
             robot.go_to(target.position)  # its own impedance controller
     """
 
+    NAME = "follower"
+    AIO = "use feltwire.aio.follow(server.address, scene, ...)"
+
     def __init__(self, handle: ctypes.c_void_p):
-        self._handle: Optional[ctypes.c_void_p] = handle
-        self.renew_locks()
-        renew_after_fork(self)
+        super().__init__(handle)
         self._target, self._watched, self._asked = abi.RobotTarget(), abi.RobotTarget(), abi.RobotTarget()
         self._state = abi.RobotState()
         BLOCKING.fw_robot_state_default(self._state, ctypes.sizeof(self._state))
         self._has_target = False
-
-    def renew_locks(self) -> None:
-        self._lock = threading.Lock()  # of the calls that give other threads the interpreter
-
-    def _open(self) -> ctypes.c_void_p:
-        if self._handle is None:
-            raise ValueError("the follower is closed")
-        return self._handle
-
-    def __enter__(self) -> Follower:
-        return self
-
-    async def __aenter__(self) -> NoReturn:
-        self.close()
-        raise TypeError("a Follower is used with `with`; for `async with` use feltwire.aio.follow(server.address, scene, ...)")
-
-    async def __aexit__(self, *_: object) -> None:
-        """Never called: __aenter__() raises."""
-
-    def __exit__(self, kind: Any, *_: object) -> None:
-        try:
-            self.close()
-        except Error:
-            if kind is None:
-                raise
 
     def exchange(self, position: Vector, orientation: Vector = (1.0, 0.0, 0.0, 0.0), *, velocity: Vector = _NONE, turning: Vector = _NONE,
                  force: Optional[Vector] = None, torque: Vector = _NONE, commanded: Optional[Vector] = None,
@@ -209,15 +183,4 @@ class Follower:
 
     def close(self) -> None:
         """Leaves the scene; the robot stays at its last target. Raises Error if an error had ended the run. May be called again."""
-        with self._lock:
-            handle, self._handle = self._handle, None
-            if handle is None:
-                return
-            result = BLOCKING.fw_follower_close(handle)
-        if result != abi.OK:
-            _raise(result)
-
-    def __del__(self) -> None:
-        handle, self._handle = getattr(self, "_handle", None), None
-        if handle is not None:
-            BLOCKING.fw_follower_close(handle)
+        super().close()

@@ -4,14 +4,11 @@ from __future__ import annotations
 import ctypes
 import functools
 import os
-import re
-import threading
 import warnings
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, NoReturn, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 from . import abi
-from .errors import Error, Refused, ServerError
-from .forked import renew_after_fork
+from .handle import Handle, _raise, messages_of
 from .library import BLOCKING, QUICK
 from .options import words as _words
 from .tables import numpy_or_none
@@ -27,34 +24,8 @@ _MOST_TICKS = 1 << 14
 _WORTH_KEEPING = _MOST_TICKS // 4  # ticks from which on an array keeps the whole room, and is no copy
 
 
-def _in_python(text: str) -> str:
-    """A text of the library, with the keywords of Python in place of options and fields of structs: --hold-time becomes hold_time."""
-    text = re.sub(r"\b(?:hand|world|observer|admin|follower|recorder)_options\.(?:more: )?|\brobot_state\.", "", text)
-    text = re.sub(r"(?<![\w-])--no-([a-z][a-z-]*)", lambda found: found[1].replace("-", "_") + "=False", text)
-    return re.sub(r"(?<![\w-])--([a-z][a-z-]*)", lambda found: found[1].replace("-", "_"), text)
-
-
-def _raise(result: int) -> NoReturn:
-    text = _in_python(BLOCKING.fw_last_error().decode(errors="replace"))
-    if result == abi.ERROR_ARGUMENT:
-        raise ValueError(text)
-    if result == abi.ERROR_MEMORY:
-        raise MemoryError(text)
-    kind = {abi.ERROR_REFUSED: Refused, abi.ERROR_SERVER: ServerError}.get(result, Error)
-    raise kind(text or BLOCKING.fw_result_text(result).decode())
-
-
 def _bytes(text: Optional[Path]) -> Optional[bytes]:
     return None if text is None else text_bytes(text)
-
-
-def messages_of(one: Any, call: Callable[..., int]) -> List[str]:
-    """All messages that wait for a hand, an observer or a follower."""
-    room, found = ctypes.create_string_buffer(4096), []
-    with one._lock:
-        while call(one._open(), room, len(room)) == abi.OK:
-            found.append(room.value.decode(errors="replace"))
-    return found
 
 
 def set_hand(given: Any, device: str, spec: Optional[Path], name: str, duration: float, stale_after: float, options: Dict[str, Any]) -> None:
@@ -96,13 +67,14 @@ def join(server: str, scene: str, *, device: str = "simulated", spec: Optional[P
     return Hand(handle)
 
 
-class Hand:
+class Hand(Handle):
     """A hand that has joined a scene. Use it in a `with` block, or call close()."""
 
+    NAME = "hand"
+    AIO = "join by feltwire.aio.join(server.address, scene, ...)"
+
     def __init__(self, handle: ctypes.c_void_p):
-        self._handle: Optional[ctypes.c_void_p] = handle
-        self.renew_locks()
-        renew_after_fork(self)
+        super().__init__(handle)
         self._tick, self._exchanged, self._asked = abi.Tick(), abi.Tick(), abi.Tick()
         # Without types, ctypes converts no argument anew at each call of latest(): that saves a third of its time.
         call = QUICK["fw_hand_latest"]
@@ -114,31 +86,6 @@ class Hand:
         self.session = abi.Session()
         """What the server granted: servo_period [s], hold_time [s], stiffness [N/m], start_position [m], start_normal."""
         BLOCKING.fw_hand_session(handle, self.session, ctypes.sizeof(self.session))
-
-    def renew_locks(self) -> None:
-        self._lock = threading.Lock()  # of the calls that give other threads the interpreter
-
-    def _open(self) -> ctypes.c_void_p:
-        if self._handle is None:
-            raise ValueError("the hand is closed")
-        return self._handle
-
-    def __enter__(self) -> Hand:
-        return self
-
-    async def __aenter__(self) -> NoReturn:
-        self.close()
-        raise TypeError("a Hand is used with `with`; for `async with` join by feltwire.aio.join(server.address, scene, ...)")
-
-    async def __aexit__(self, *_: object) -> None:
-        """Never called: __aenter__() raises."""
-
-    def __exit__(self, kind: Any, *_: object) -> None:
-        try:
-            self.close()
-        except Error:
-            if kind is None:
-                raise
 
     def exchange(self, position: Sequence[float], orientation: Sequence[float] = (1.0, 0.0, 0.0, 0.0), buttons: int = 0,
                  deadman: bool = False, gripper: float = -1.0) -> Optional[Tuple[Tuple[float, ...], Tuple[float, ...]]]:
@@ -233,16 +180,7 @@ class Hand:
 
     def close(self) -> None:
         """Ends the run, and leaves the scene. Raises Error if an error had ended the run. May be called again."""
-        with self._lock:
-            handle, self._handle = self._handle, None
-            if handle is None:
-                return
-            self._latest = functools.partial(int, abi.NOTHING)
-            result = BLOCKING.fw_hand_close(handle)
-        if result != abi.OK:
-            _raise(result)
+        super().close()
 
-    def __del__(self) -> None:
-        handle, self._handle = getattr(self, "_handle", None), None
-        if handle is not None:
-            BLOCKING.fw_hand_close(handle)
+    def _closing(self) -> None:
+        self._latest = functools.partial(int, abi.NOTHING)

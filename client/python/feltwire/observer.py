@@ -4,8 +4,8 @@ import os
 import threading
 
 from . import abi
-from .forked import renew_after_fork
-from .hand import Error, _bytes, _raise, messages_of
+from .hand import _bytes
+from .handle import Handle, _raise, messages_of
 from .library import BLOCKING, QUICK
 
 _STATE_SIZE = ctypes.sizeof(abi.SceneState)
@@ -71,17 +71,17 @@ class _List:
         return self._numpy.frombuffer(self._room, self._dtype, count.value).copy()
 
 
-class Observer:
+class Observer(Handle):
     """An observer. Use it in a `with` block, or call close(). Iterate over it to get each newer state:
 
         for state in observer:
             print(state.time, observer.hands()["position"])
     """
 
+    NAME = "observer"
+
     def __init__(self, handle):
-        self._handle = handle
-        self.renew_locks()
-        renew_after_fork(self)
+        super().__init__(handle)
         self._state = abi.SceneState()
         self._asked, self._counted = abi.SceneState(), abi.SceneState()  # for the object itself
         self._hands = _List(QUICK.fw_observer_hands, abi.SeenHand, abi.SEEN_HAND_DTYPE)
@@ -90,21 +90,6 @@ class Observer:
     def renew_locks(self):
         self._lock = threading.RLock()  # of calls that let other Python threads run
         self._lists = threading.Lock()  # of the room of both lists
-
-    def _open(self):
-        if self._handle is None:
-            raise ValueError("the observer is closed")
-        return self._handle
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, kind, *_):
-        try:
-            self.close()
-        except Error:
-            if kind is None:
-                raise
 
     def __iter__(self):
         """Each newer state, until the observer has ended. Where the program is slow, states between are left out."""
@@ -170,14 +155,4 @@ class Observer:
     def close(self):
         """Leaves the scene. Raises Error if an error had ended the observer. May be called again."""
         with self._lock, self._lists:
-            handle, self._handle = self._handle, None
-            if handle is None:
-                return
-            result = BLOCKING.fw_observer_close(handle)
-        if result != abi.OK:
-            _raise(result)
-
-    def __del__(self):
-        handle, self._handle = getattr(self, "_handle", None), None
-        if handle is not None:
-            BLOCKING.fw_observer_close(handle)
+            super().close()

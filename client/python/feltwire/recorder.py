@@ -2,13 +2,10 @@
 from __future__ import annotations
 
 import ctypes
-import threading
-from typing import Any, Optional
 
 from . import abi
-from .errors import Error
-from .forked import renew_after_fork
-from .hand import Path, _bytes, _raise
+from .hand import Path, _bytes
+from .handle import Handle, _raise
 from .library import BLOCKING, QUICK
 from .values import set_number, text_bytes
 
@@ -27,32 +24,11 @@ def opened(hand: ctypes.c_void_p, file: Path, replace: bool, mebibytes: float, s
     return Recorder(handle)
 
 
-class Recorder:
+class Recorder(Handle):
     """A recording of a hand, of Hand.record(). Use it in a `with` block, or call close(): only then it is complete. It may be closed after the
     hand."""
 
-    def __init__(self, handle: ctypes.c_void_p):
-        self._handle: Optional[ctypes.c_void_p] = handle
-        self.renew_locks()
-        renew_after_fork(self)
-
-    def renew_locks(self) -> None:
-        self._lock = threading.Lock()
-
-    def _open(self) -> ctypes.c_void_p:
-        if self._handle is None:
-            raise ValueError("the recorder is closed")
-        return self._handle
-
-    def __enter__(self) -> Recorder:
-        return self
-
-    def __exit__(self, kind: Any, *_: object) -> None:
-        try:
-            self.close()
-        except Error:
-            if kind is None:
-                raise
+    NAME = "recorder"
 
     def mark(self, text: str) -> None:
         """Writes a text at this moment into the recording: a metadata record `mark` with `text` and `time` [ns since 1970]. Raises Error if the
@@ -72,15 +48,4 @@ class Recorder:
 
     def close(self) -> None:
         """Writes the rest, and waits until it is on the disk. Raises Error if the recording is not complete. May be called again."""
-        with self._lock:
-            handle, self._handle = self._handle, None
-            if handle is None:
-                return
-            result = BLOCKING.fw_recorder_close(handle)
-        if result != abi.OK:
-            _raise(result)
-
-    def __del__(self) -> None:
-        handle, self._handle = getattr(self, "_handle", None), None
-        if handle is not None:
-            BLOCKING.fw_recorder_close(handle)
+        super().close()
