@@ -24,7 +24,7 @@ GROWN = "[suppress_type]\n  type_kind = struct\n  has_data_member_inserted_at = 
 CHANGED = 4 | 8  # of abidiff's exit status: the interface differs
 
 
-def stub():
+def every_function():
     """C: the functions of the table, and the numbers of the results as an enum that the dump sees."""
     out = ['#include "feltwire.h"', "enum fw_results {"]
     out += [f"  fw_result_{name} = FW_{name}," for name, _, _ in api.RESULTS]
@@ -37,8 +37,8 @@ def stub():
 
 def dump(folder):
     """The dump of the table's interface, in this folder."""
-    source, library, made = folder / "stub.c", folder / "libfeltwire.so.0", folder / "libfeltwire.abi"
-    source.write_text(stub(), encoding="utf-8")
+    source, library, made = folder / "functions.c", folder / "libfeltwire.so.0", folder / "libfeltwire.abi"
+    source.write_text(every_function(), encoding="utf-8")
     subprocess.run([os.environ.get("CC", "cc"), "-std=c99", "-g", "-O0", "-shared", "-fPIC", "-fvisibility=hidden", f"-I{HERE}",
                     "-Wl,-soname,libfeltwire.so.0", "-o", library, source], check=True)
     subprocess.run(["abidw", "--no-show-locs", "--no-corpus-path", "--no-comp-dir-path", "--out-file", made, library], check=True)
