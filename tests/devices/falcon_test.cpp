@@ -151,7 +151,7 @@ TEST_F(Falcon, AFirmwareThatDoesNotLoadOrRunIsRefused) {
   stand_in->wrong_echoes = 0;
   EXPECT_THAT(refusal(file({1, 2, 3})), HasSubstr("does not answer; is it the Falcon's?"));
   EXPECT_THAT(refusal(file({})), HasSubstr("empty"));
-  EXPECT_THAT(refusal("/nowhere/firmware.bin"), HasSubstr("/nowhere/firmware.bin"));
+  EXPECT_THAT(refusal("/proc/nowhere/firmware.bin"), HasSubstr("/proc/nowhere/firmware.bin"));
   stand_in->refuses_load = true;
   EXPECT_THAT(refusal(file(stand_in->wanted)), HasSubstr("takes no firmware"));
 }

@@ -109,7 +109,7 @@ TEST_F(ForceDimension, WhatIsMissingIsSaid) {
   EXPECT_THAT(open().notes, Contains(HasSubstr("watchdog could not be set")));
   stand_in->gravity_works = false;
   EXPECT_THAT(open().notes, Contains(HasSubstr("gravity compensation is off")));
-  ::setenv("FDSDK", "/nowhere", 1);
+  ::setenv("FDSDK", "/proc/nowhere", 1);
   EXPECT_THAT(refusal(), AllOf(HasSubstr("libdrd.so"), HasSubstr("set FDSDK")));
 }
 

@@ -131,7 +131,7 @@ TEST_F(OpenHaptics, WhatIsMissingIsSaid) {
   stand_in->style = 2;
   EXPECT_EQ(refusal(), "none");
   EXPECT_EQ(stand_in->updates, 1);
-  ::setenv("OH_SDK_BASE", "/nowhere", 1);
+  ::setenv("OH_SDK_BASE", "/proc/nowhere", 1);
   EXPECT_THAT(refusal(), AllOf(HasSubstr("libHD.so"), HasSubstr("OH_SDK_BASE")));
 }
 

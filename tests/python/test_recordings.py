@@ -18,6 +18,8 @@ import feltwire
 from feltwire import mcap, protobuf, zstd
 from feltwire.library import program
 
+RECORD_HEAD = 9  # [bytes] of a record: opcode and length
+
 
 def npz(path):
     """The arrays of a file of feltwire-lab export, as (shape, numbers as an array of the standard library)."""
@@ -162,6 +164,18 @@ class Recordings(unittest.TestCase):
             self.assertEqual([line for line in lines if line.startswith("byte ")], expected)
             read += 1
         self.assertGreater(read, 8)
+
+    def test_a_damaged_first_chunk_is_told_as_before_the_rest(self):
+        data = bytearray((self.folder / "hand.mcap").read_bytes())
+        at = len(mcap.MAGIC)
+        while data[at] != mcap.CHUNK:
+            at += RECORD_HEAD + struct.unpack_from("<Q", data, at + 1)[0]
+        end = at + RECORD_HEAD + struct.unpack_from("<Q", data, at + 1)[0]
+        data[end - 1] ^= 0x55
+        path, recording = self.damaged(bytes(data))
+        _, said = export(path, "--skip-damaged")
+        self.assertRegex(recording.missing[0], f"byte {at} to {end}: .* before the first message that is whole")
+        self.assertIn(recording.missing[0], said)
 
     def test_a_cut_file_warns(self):
         whole = (self.folder / "hand.mcap").read_bytes()

@@ -49,6 +49,8 @@ class Missing:
         if self.times is None:
             return line
         since = [1e-9 * (time - (first or 0)) for time in self.times]
+        if first is not None and self.times[1] < first:
+            return f"{line}; missing: {-since[0]:.3f} s to {-since[1]:.3f} s before the first message that is whole"
         return f"{line}; missing: {since[0]:.3f} s to {since[1]:.3f} s" + ("" if first is None else " of the recording")
 
 

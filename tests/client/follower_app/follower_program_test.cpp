@@ -116,10 +116,10 @@ TEST_F(FollowerProgram, NamesAWorkspaceThatIsNone) {
 }
 
 TEST_F(FollowerProgram, NamesTheFileThatIsNoRobot) {
-  expect_fault({"--arm", "/nowhere/arm.xml"}, "/nowhere/arm.xml");
+  expect_fault({"--arm", "/proc/nowhere/arm.xml"}, "/proc/nowhere/arm.xml");
   expect_fault({"--arm", kSurroundings}, kSurroundings);
   expect_fault({"--surroundings", kTable}, kTable);
-  expect_fault({"--socket", "/nowhere/driver"}, "/nowhere/driver");
+  expect_fault({"--socket", "/proc/nowhere/driver"}, "/proc/nowhere/driver");
 }
 
 TEST_F(FollowerProgram, SaysWhereTheArmCannotBegin) {
@@ -129,8 +129,8 @@ TEST_F(FollowerProgram, SaysWhereTheArmCannotBegin) {
 }
 
 TEST_F(FollowerProgram, NamesTheFileThatItCannotWrite) {
-  expect_fault({"--arm", kTable, "--record", "/nowhere/robot.csv"}, "/nowhere/robot.csv");
-  expect_fault({"--arm", kTable, "--report", "/nowhere/robot.json"}, "/nowhere/robot.json");
+  expect_fault({"--arm", kTable, "--record", "/proc/nowhere/robot.csv"}, "/proc/nowhere/robot.csv");
+  expect_fault({"--arm", kTable, "--report", "/proc/nowhere/robot.json"}, "/proc/nowhere/robot.json");
 }
 
 TEST_F(FollowerProgram, TheArmSitsOnTheSeatAndIsWrittenDown) {

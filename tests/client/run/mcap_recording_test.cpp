@@ -212,8 +212,8 @@ TEST(McapRecording, TheEndingOfTheNameChoosesTheFormat) {
 
 TEST(McapRecording, SaysWhyItCannotBeWritten) {
   EXPECT_THAT(testing::error_of<std::runtime_error>(
-                  [] { McapRecording({.file = "/nowhere/at/all.mcap"}); }),
-              ::testing::HasSubstr("/nowhere/at/all.mcap: No such file or directory"));
+                  [] { McapRecording({.file = "/proc/nowhere/at/all.mcap"}); }),
+              ::testing::HasSubstr("/proc/nowhere/at/all.mcap: No such file or directory"));
   EXPECT_THAT(testing::error_of<std::runtime_error>([] { McapRecording({.file = "/dev/full"}); }),
               ::testing::HasSubstr("No space left"));
 }

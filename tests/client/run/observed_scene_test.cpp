@@ -203,8 +203,8 @@ TEST(ObserverRecorder, TellsSeveralRobotsApart) {
 
 TEST(ObserverRecorder, SaysWhyItCannotWrite) {
   EXPECT_THAT(
-      testing::error_of<std::runtime_error>([] { ObserverRecorder("/nowhere/at/all.csv"); }),
-      ::testing::AllOf(::testing::HasSubstr("/nowhere/at/all.csv: No such file"),
+      testing::error_of<std::runtime_error>([] { ObserverRecorder("/proc/nowhere/at/all.csv"); }),
+      ::testing::AllOf(::testing::HasSubstr("/proc/nowhere/at/all.csv: No such file"),
                        ::testing::HasSubstr("--view")));
 }
 

@@ -73,12 +73,12 @@ TEST_F(ArmFile, NamesWhatIsWrong) {
 
 TEST(ArmFileMissing, IsNamed) {
   ArmConfig config;
-  config.file = "/nowhere/arm.xml";
+  config.file = "/proc/nowhere/arm.xml";
   try {
     const Arm arm(config);
     FAIL();
   } catch (const std::exception& error) {
-    EXPECT_THAT(error.what(), HasSubstr("/nowhere/arm.xml"));
+    EXPECT_THAT(error.what(), HasSubstr("/proc/nowhere/arm.xml"));
   }
 }
 

@@ -61,8 +61,8 @@ TEST(RegularFile, WhatTheSystemMakesUpIsReadToItsEnd) {
 }
 
 TEST(RegularFile, WhatIsNotThereIsNamedWithTheRemedy) {
-  EXPECT_EQ(error_of("/nowhere/at/all"),
-            "/nowhere/at/all: cannot be opened: No such file or directory; say which");
+  EXPECT_EQ(error_of("/proc/nowhere/at/all"),
+            "/proc/nowhere/at/all: cannot be opened: No such file or directory; say which");
 }
 
 }  // namespace

@@ -280,7 +280,7 @@ TEST_F(ShownErrors, WordsOfFilesInTheFolderAreShown) {
 
 /// The error must call a missing file of a URI missing, instead of outside the folder.
 TEST_F(ShownErrors, AMissingFileOfAPackageIsSaidToBeMissing) {
-  for (const std::string uri : {"package://pkg/meshes/none.stl", "file:///nowhere/none.stl"}) {
+  for (const std::string uri : {"package://pkg/meshes/none.stl", "file:///proc/nowhere/none.stl"}) {
     write("scenes/r.urdf", "<robot name='r'><link name='l'><collision><geometry><mesh filename='" +
                                uri + "'/></geometry></collision></link></robot>");
     EXPECT_THAT(error_of_mjcf("r.urdf"),

@@ -311,9 +311,9 @@ TEST(GatewayProgram, SaysInOneLineWhatIsMissing) {
   EXPECT_THAT(none.error, ::testing::AllOf(StartsWith("feltwire-view: "), HasSubstr("--scene")));
   const test::Outcome no_file =
       said({"--connect", "localhost:1", "--scene", "nowhere.json", "--fingerprint",
-            std::string(64, 'a'), "--token-file", "/nowhere"});
+            std::string(64, 'a'), "--token-file", "/proc/nowhere"});
   EXPECT_EQ(no_file.status, 2);
-  EXPECT_THAT(no_file.error, HasSubstr("/nowhere"));
+  EXPECT_THAT(no_file.error, HasSubstr("/proc/nowhere"));
   const test::Outcome no_name = said(
       {"--connect", "localhost:1", "--scene", "nowhere.json", "--web-name", "https://lab.example"});
   EXPECT_EQ(no_name.status, 2);
