@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "client/hands/simulated_device.hpp"
+#include "core/bounding/account.hpp"
 #include "core/scene/scene.hpp"
 #include "sim/studies/bound/in_float.hpp"
 #include "sim/studies/bound/stress_inputs.hpp"
@@ -109,13 +111,65 @@ bool keeps_all(const BasicBoundingMethod<Real>& method, const BoundingConfig& co
   return method.keeps_all || config.storage == Storage::elastic;
 }
 
+/// Returns the energy guarantee of a method as a session runs it. A method that shapes has the
+/// account after it, and the account keeps its guarantee in spite of every fault: what a long hold
+/// overdraws is a debt, and no force is rendered until it is repaid.
+template <class Real>
+Promise promise_in_session(const BasicBoundingMethod<Real>& method, const Faults& faults) {
+  return method.shapes ? Promise::port : promise(method, faults);
+}
+
+/// The account of a device of unknown mass, before which any hand may stand.
+AccountConfig account_config(const BoundingConfig& bound) {
+  AccountConfig config;
+  config.period = bound.period;
+  config.translation.damping = bound.damping;
+  config.rotation.damping = bound.rotational_damping;
+  return config;
+}
+
+/// A method as a session runs it: the bound, then the account if the method shapes. The account
+/// computes in double, and its result is rounded to Real.
+template <class Real>
+class BoundInSession {
+ public:
+  BoundInSession(const BasicBoundingMethod<Real>& method, const BoundingConfig& config)
+      : bounding_(method, config) {
+    if (method.shapes) account_.emplace(account_config(config));
+  }
+
+  BasicBounded<Real> step(const BasicBoundingStep<Real>& told) {
+    BasicBounded<Real> out = bounding_.step(told);
+    if (!account_) return out;
+    BoundingStep paid{told.displacement.template cast<double>(),
+                      told.rotation.template cast<double>(), static_cast<double>(told.hold_time),
+                      out.rendered.template cast<double>()};
+    // A session tells the account of an unknown movement when it refuses one.
+    if (out.refused) paid.displacement.setConstant(kNan);
+    out.rendered = narrowed<Real>(account_->step(paid));
+    set_held(out.rendered);
+    return out;
+  }
+  void set_held(const BasicCommand<Real>& held) {
+    bounding_.set_held(held);
+    if (account_) account_->set_held(held.template cast<double>());
+  }
+  BasicProbe<Real> probe(const Vector3<Real>& displacement, const Vector3<Real>& rotation) const {
+    return bounding_.probe(displacement, rotation);
+  }
+
+ private:
+  BasicBounding<Real> bounding_;
+  std::optional<PortAccount> account_;
+};
+
 /// Computes the work of the scene on the tool of a virtual coupling, and adds it to the ledger. The
 /// position of the tool has the precision of Real.
 template <class Real>
 class ToolBook {
  public:
   explicit ToolBook(const BoundingConfig& config) : config_(config) {}
-  void enter(const BasicBounding<Real>& bounding, const BasicBoundingStep<Real>& told,
+  void enter(const BoundInSession<Real>& bounding, const BasicBoundingStep<Real>& told,
              PromiseLedger& ledger) {
     const BasicProbe<Real> zero = bounding.probe(Vector3<Real>::Zero(), Vector3<Real>::Zero());
     const auto port = [&](const CouplingConfig& law, const Damping& b, const Vec3& stretch,
@@ -147,9 +201,9 @@ void attack(const StressInputs& stress, const BasicBoundingMethod<Real>& method,
   const BoundingConfig config =
       bound_config(method.name, hand / 5 + hand, stress.damping, stress.rotational_damping,
                    stress.period, stress.max_force, assumed_damping);
-  BasicBounding<Real> bounding(method, config);
+  BoundInSession<Real> bounding(method, config);
   PromiseLedger ledger({kept, stress.damping, stress.rotational_damping, stress.period,
-                        keeps_all(method, config), kArithmetic<Real>});
+                        keeps_all(method, config), kArithmetic<Real>, method.shapes});
   ToolBook<Real> tool(config);
   using Limits = std::numeric_limits<Real>;
   const double least =
@@ -260,9 +314,9 @@ void touch_wall(const WallStress& stress, const BasicBoundingMethod<Real>& metho
   const double max_force = wall_limit(method);
   const BoundingConfig config = bound_config(method.name, hand, options.spec.damping, 2e-4,
                                              stress.period, max_force, assumed_damping);
-  BasicBounding<Real> bounding(method, config);
+  BoundInSession<Real> bounding(method, config);
   PromiseLedger ledger({kept, options.spec.damping, 2e-4, stress.period, keeps_all(method, config),
-                        kArithmetic<Real>});
+                        kArithmetic<Real>, method.shapes});
   ToolBook<Real> tool(config);
 
   const auto read = [&](int n) {
@@ -312,7 +366,7 @@ std::vector<ExtremeRow> run_extremes(double assumed_damping, int hands,
                        const auto& run) {
     const BoundingMethod& method = bounding_method(name);
     const BasicBoundingMethod<float>* in_float = method_in_float(name);
-    ExtremeRow r{std::move(stress), method.name, promise(method, faults), {}, {}};
+    ExtremeRow r{std::move(stress), method.name, promise_in_session(method, faults), {}, {}};
     for (int hand = 0; hand < count; ++hand) {
       run(method, r.promise, hand, r.in_double);
       if (in_float != nullptr) run(*in_float, r.promise, hand, r.in_float);

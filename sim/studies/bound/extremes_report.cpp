@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "core/base/enum_names.hpp"
@@ -20,13 +21,16 @@ std::size_t method_count(const std::vector<ExtremeRow>& rows) {
 /// Returns the methods with an energy guarantee (Promise). They are the columns of the tables. The
 /// strongest guarantee comes first.
 std::vector<std::string_view> columns(const std::vector<ExtremeRow>& rows) {
-  const auto promised = [](std::string_view method) { return bounding_method(method).promise; };
+  // The first stress test has no faults, so its rows have the strongest guarantee of each method.
+  std::vector<ExtremeRow> promised;
+  std::copy_if(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(method_count(rows)),
+               std::back_inserter(promised),
+               [](const ExtremeRow& r) { return r.promise != Promise::none; });
+  std::stable_sort(promised.begin(), promised.end(),
+                   [](const ExtremeRow& a, const ExtremeRow& b) { return a.promise < b.promise; });
   std::vector<std::string_view> methods;
-  for (std::size_t i = 0; i < method_count(rows); ++i)
-    if (promised(rows[i].method) != Promise::none) methods.push_back(rows[i].method);
-  std::stable_sort(methods.begin(), methods.end(), [&](std::string_view a, std::string_view b) {
-    return promised(a) < promised(b);
-  });
+  methods.reserve(promised.size());
+  for (const ExtremeRow& r : promised) methods.push_back(r.method);
   return methods;
 }
 
@@ -67,7 +71,7 @@ std::string heads(const std::vector<std::string_view>& methods) {
 std::string others(const std::vector<ExtremeRow>& rows) {
   std::vector<std::string_view> methods;
   for (std::size_t i = 0; i < method_count(rows); ++i)
-    if (bounding_method(rows[i].method).promise == Promise::none) methods.push_back(rows[i].method);
+    if (rows[i].promise == Promise::none) methods.push_back(rows[i].method);
   return joined_names(methods, ", ");
 }
 
@@ -97,20 +101,22 @@ nlohmann::ordered_json json(const ExtremeOutcome& o) {
 /// Returns the gnuplot text for a method in an arithmetic (double or float): the energy error over
 /// the index of the stress test. An error of zero is drawn at the lower edge.
 std::string points(std::string_view mode, const char* arithmetic, std::size_t method,
-                   std::size_t methods) {
+                   std::size_t drawn, std::size_t methods) {
   // Okabe and Ito chose these colours for colour-blind readers. The point types differ too.
   constexpr std::array kColors = {"#0072b2", "#e69f00", "#009e73", "#56b4e9", "#d55e00", "#cc79a7"};
-  constexpr std::array kPoints = {7, 5, 9, 11, 13, 1};
-  const std::size_t i = method % kColors.size();
+  // After the colours begin anew, the points are hollow.
+  constexpr std::array kPoints = {7, 5, 9, 11, 13, 1, 6, 4, 8, 10, 12, 2};
+  const double middle = 0.5 * static_cast<double>(drawn - 1);
+  const double aside = 0.8 * (static_cast<double>(method) - middle) / static_cast<double>(drawn);
   const std::string label(mode);
   std::string text;
   append(text,
          "'extremes.csv' skip 1 using (int($0/%zu)%+.2f):(strcol(2) eq '%s' && strcol(3) ne 'none' "
          "&& strcol(4) eq '%s' ? ($11 > 1e-17 ? $11 : 1e-17) : NaN) ",
-         2 * methods, 0.1 * (static_cast<double>(method) - 2.5), label.c_str(), arithmetic);
-  append(text, "with points pt %d ps 1.1 lc rgb '%s' %s%s%s", kPoints[i], kColors[i],
-         arithmetic[0] == 'd' ? "title '" : "notitle", arithmetic[0] == 'd' ? label.c_str() : "",
-         arithmetic[0] == 'd' ? "' noenhanced" : "");
+         2 * methods, aside, label.c_str(), arithmetic);
+  append(text, "with points pt %d ps 1.1 lc rgb '%s' %s%s%s", kPoints[method % kPoints.size()],
+         kColors[method % kColors.size()], arithmetic[0] == 'd' ? "title '" : "notitle",
+         arithmetic[0] == 'd' ? label.c_str() : "", arithmetic[0] == 'd' ? "' noenhanced" : "");
   return text;
 }
 
@@ -206,8 +212,9 @@ void draw_extremes(const std::filesystem::path& directory, const std::vector<Ext
          "%g with lines dt 3 lc rgb 'black' title 'epsilon of double', \\\n",
          stresses, kArithmetic<float>.epsilon, kArithmetic<double>.epsilon);
   for (std::size_t m = 0; m < drawn.size(); ++m)
-    script += points(drawn[m], "double", m, methods) + ", \\\n" +
-              points(drawn[m], "float", m, methods) + (m + 1 < drawn.size() ? ", \\\n" : "\n");
+    script += points(drawn[m], "double", m, drawn.size(), methods) + ", \\\n" +
+              points(drawn[m], "float", m, drawn.size(), methods) +
+              (m + 1 < drawn.size() ? ", \\\n" : "\n");
   plot(directory, "extremes", script);
 }
 

@@ -81,6 +81,10 @@ void PromiseLedger::tool_moved(const Tool& translation, const Tool& rotation) {
 void PromiseLedger::rendered(const Command& rendered, const Command& commanded,
                              const Vec3& displacement, const Vec3& rotation) {
   if (setup_.promise == Promise::none) return;
+  if (setup_.one_balance) {
+    judge_together(rendered, displacement, rotation);
+    return;
+  }
   const Vec3 force = rendered.force();
   if (!own_sum(setup_.promise)) {
     judge(translation_, force, displacement);
@@ -105,18 +109,15 @@ void PromiseLedger::rendered(const Command& rendered, const Command& commanded,
   if (&second == &rotation_) judge(rotation_, rendered.torque, rotation);
 }
 
-void PromiseLedger::judge(Port& port, const Vec3& force, const Vec3& displacement) {
-  const bool damped = port.inverse(0, 0) > 0.0;
-  const double quarter = 0.25 * setup_.period;
-  // Returns the most energy [J] that the hand can take from a held force: infinite without damping.
-  const auto at_stake = [&](const Vec3& held) -> long double {
-    if (held.isZero(0.0)) return 0.0L;
-    const Vector f = held.cast<long double>();
-    return damped ? f.dot(port.inverse.cast<long double>() * f) * quarter
-                  : std::numeric_limits<long double>::infinity();
-  };
+long double PromiseLedger::at_stake(const Port& port, const Vec3& held) const {
+  if (held.isZero(0.0)) return 0.0L;
+  if (!(port.inverse(0, 0) > 0.0)) return std::numeric_limits<long double>::infinity();
+  const Vector f = held.cast<long double>();
+  return f.dot(port.inverse.cast<long double>() * f) * (0.25 * setup_.period);
+}
 
-  const long double all_at_stake = at_stake(force);
+long double PromiseLedger::stored(Port& port, const Vec3& force, const Vec3& displacement) const {
+  const long double all_at_stake = at_stake(port, force);
   long double kept = own_sum(setup_.promise) ? 0.0L : all_at_stake;
   for (const long double balance : port.balance)
     kept = std::max(kept, setup_.keeps_all ? std::abs(balance) : -balance);
@@ -125,10 +126,29 @@ void PromiseLedger::judge(Port& port, const Vec3& force, const Vec3& displacemen
   // Allow for the energy error if the force, the movement and a stored energy are wrong by the
   // smallest representable number.
   const double least = setup_.arithmetic.least;
-  const double per_force = damped ? 2.0 * quarter * port.inverse.diagonal().maxCoeff() : 0.0;
+  const double per_force = 0.5 * setup_.period * port.inverse.diagonal().maxCoeff();
   const long double f = length(force), dx = length(displacement);
   port.tiny += (per_force * (f + least) + dx + f + (setup_.keeps_all ? 1.0L : 0.0L)) * least;
+  return all_at_stake;
+}
 
+void PromiseLedger::judge_together(const Command& rendered, const Vec3& displacement,
+                                   const Vec3& rotation) {
+  const long double at_stake = stored(translation_, rendered.force(), displacement) +
+                               stored(rotation_, rendered.torque, rotation);
+  Port both;
+  both.condition = std::max(translation_.condition, rotation_.condition);
+  for (const Port* port : {&translation_, &rotation_}) {
+    both.balance[0] += port->balance[0];
+    both.exchanged += port->exchanged;
+    both.through += port->through;
+    both.tiny += port->tiny;
+  }
+  if (at_stake > 0.0L) judge(both, at_stake - both.balance[0]);
+}
+
+void PromiseLedger::judge(Port& port, const Vec3& force, const Vec3& displacement) {
+  const long double all_at_stake = stored(port, force, displacement);
   switch (setup_.promise) {
     case Promise::port:
       // A rendered force needs a sufficient balance. Without a force, a negative balance is
@@ -137,7 +157,7 @@ void PromiseLedger::judge(Port& port, const Vec3& force, const Vec3& displacemen
       break;
     case Promise::port_by_axis:
       for (int i = 0; i < 3; ++i) {
-        const long double own = at_stake(force[i] * Vec3::Unit(i));
+        const long double own = at_stake(port, force[i] * Vec3::Unit(i));
         if (own > 0.0L) judge(port, own - port.balance[static_cast<std::size_t>(i)]);
       }
       break;

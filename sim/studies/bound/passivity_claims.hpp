@@ -43,6 +43,7 @@ class PromiseLedger {
     bool keeps_all =
         false;  // the law stores all energy that it ever took in, not only that at stake
     Arithmetic arithmetic{};
+    bool one_balance = false;  // Promise::port of force and torque together, as of an account
   };
   explicit PromiseLedger(const Setup& setup);
 
@@ -78,6 +79,11 @@ class PromiseLedger {
     double tool_stored = 0.0;              // [J]
   };
   void exchange(Port& port, const Vec3& force, const Vec3& displacement, double hold_time);
+  /// [J] The most that the hand can take from `held`: infinite without damping.
+  long double at_stake(const Port& port, const Vec3& held) const;
+  /// Takes up what the law stores now, for the limits of rounding. Returns what is at stake [J].
+  long double stored(Port& port, const Vec3& force, const Vec3& displacement) const;
+  void judge_together(const Command& rendered, const Vec3& displacement, const Vec3& rotation);
   void judge(Port& port, const Vec3& force, const Vec3& displacement);
   void judge(const Port& port, long double missing);
 
