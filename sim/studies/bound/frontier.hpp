@@ -81,9 +81,6 @@ std::vector<FrontierCase> published_cases();
 /// a whole session with a local model, as in the client (frontier_plant.cpp).
 /// `told`: the laws and the accounts are told the lag of the plant's amplifier.
 std::vector<FrontierCase> plant_cases(const Plant& plant, bool told = false);
-/// The bound of an amplifier's lag that a device tells: a filter without delay is one of its kind,
-/// anything else may end at the latest time of its response.
-MotorLag lag_of(const Plant::Amplifier& amplifier);
 
 /// Runs every case, deterministic; rows in the order of the cases.
 std::vector<FrontierRow> run_frontier(const std::vector<FrontierCase>& cases);

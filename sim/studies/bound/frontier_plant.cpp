@@ -3,6 +3,7 @@
 
 #include "core/base/text.hpp"
 #include "core/base/units.hpp"
+#include "sim/hands/amplifier_lag.hpp"
 #include "sim/studies/bound/frontier.hpp"
 #include "sim/studies/bound/over_hands.hpp"
 
@@ -24,12 +25,6 @@ constexpr std::array kPlantDampings = {0.005, 0.5, 2.0};  // [N s/m]
 constexpr std::array kPlantWalls = {1e3, 5e3, 4e4};       // [N/m]
 
 }  // namespace
-
-MotorLag lag_of(const Plant::Amplifier& amplifier) {
-  const double latest = amplifier.delay + amplifier.jitter;
-  if (latest == 0.0) return {.time = amplifier.lag, .kind = LagKind::filter};
-  return {.time = latest + MotorLag::kRest * amplifier.lag};
-}
 
 std::vector<FrontierCase> plant_cases(const Plant& plant, bool told) {
   const auto shared = std::make_shared<const Plant>(for_any_hand(plant));

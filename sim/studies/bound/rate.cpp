@@ -9,6 +9,7 @@
 #include "core/base/parallel.hpp"
 #include "core/bounding/bounding.hpp"
 #include "core/scene/scene.hpp"
+#include "sim/hands/amplifier_lag.hpp"
 #include "sim/measure/cost.hpp"
 #include "sim/measure/experiment_metrics.hpp"
 #include "sim/studies/bound/in_float.hpp"
@@ -51,10 +52,12 @@ Vec3 normal(const Surface& surface, const Vec3& position) {
 }
 
 SimulatedHandOptions hand_of(const Surface& surface, const Hand& hand, double damping,
-                             bool slides) {
+                             const RateGrid& grid, bool slides) {
   SimulatedHandOptions options;
   options.hand = hand;
+  options.plant = for_any_hand(grid.plant);
   options.spec = builtin_device("simulated");
+  if (grid.told) options.spec.actuation_lag = lag_of(grid.plant.amplifier).time;
   options.spec.damping = damping;
   HandTask& task = options.task;
   task.depth = kRatePress / options.hand.stiffness;
@@ -89,6 +92,7 @@ std::vector<RateSample> run(const Surface& surface, const SimulatedHandOptions& 
   config.projection = Projection::cone;
   config.period = 1.0 / rate;
   config.damping = hand.spec.damping;
+  config.lag = hand.spec.actuation_lag;
   config.max_force = hand.spec.max_force;
   BasicBounding<Real> bounding = bounding_in<Real>(config);
   const Scene scene = scene_of(surface);
@@ -151,16 +155,16 @@ double pressing_slope(const Surface& surface, const std::vector<RateSample>& sam
   return spread > 0.0 ? (n * xy - x * y) / spread : 0.0;
 }
 
-RateCell measure_cell(const Surface& surface, double damping, double rate,
+RateCell measure_cell(const Surface& surface, double damping, double rate, const RateGrid& grid,
                       const RateArithmetic& arithmetic, const NamedHand& named) {
   RateCell cell{surface.name, damping, rate, arithmetic.name, named.name, 0.0, 0.0, 0.0};
   const Hand& hand = named.hand;
   cell.displayed = pressing_slope(
       surface,
-      run(arithmetic, surface, hand_of(surface, hand, damping, false), rate, kPressDuration));
+      run(arithmetic, surface, hand_of(surface, hand, damping, grid, false), rate, kPressDuration));
 
   const auto samples =
-      run(arithmetic, surface, hand_of(surface, hand, damping, true), rate, kSlideDuration);
+      run(arithmetic, surface, hand_of(surface, hand, damping, grid, true), rate, kSlideDuration);
   std::vector<double> heights, angles;
   for (std::size_t n = 0; n < samples.size(); ++n) {
     const RateSample& s = samples[n];
@@ -203,8 +207,8 @@ std::vector<RateCell> run_rate(const RateGrid& grid) {
       for (const double rate : grid.rates)
         for (std::size_t a = 0; a < arithmetics; ++a)
           for (const NamedHand& hand : grid.hands)
-            todo.push_back([&surface, damping, rate, a, &hand] {
-              return measure_cell(surface, damping, rate, kRateArithmetics[a], hand);
+            todo.push_back([&surface, damping, rate, &grid, a, &hand] {
+              return measure_cell(surface, damping, rate, grid, kRateArithmetics[a], hand);
             });
   std::vector<RateCell> cells(todo.size());
   parallel_for(todo.size(), [&](std::size_t i) { cells[i] = todo[i](); });
@@ -217,7 +221,7 @@ std::vector<RateCost> measure_rate_cost() {
   // Use the results, so that the compiler does not remove the computation.
   volatile double kept = 0.0;
   for (const Surface& surface : kSurfaces) {
-    const SimulatedHandOptions hand = hand_of(surface, kEightHands[0].hand, kDamping, true);
+    const SimulatedHandOptions hand = hand_of(surface, kEightHands[0].hand, kDamping, {}, true);
     const auto samples = run(kRateArithmetics[0], surface, hand, kRate, kSlideDuration);
     BoundingConfig config;
     config.projection = Projection::cone;

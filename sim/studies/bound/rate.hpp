@@ -27,6 +27,8 @@ struct RateGrid {
   std::vector<double> dampings = {0.5, 2.0};                           // b [N s/m]
   std::vector<NamedHand> hands = {kEightHands[0]};
   bool float_too = true;  // false: in double only
+  Plant plant = {};       // of the device; ideal by default
+  bool told = false;      // the bound uses the lag of the plant's amplifier
 };
 /// All rates and dampings in double, by all eight hands.
 RateGrid hands_rate_grid();

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "core/base/parallel.hpp"
+#include "sim/hands/amplifier_lag.hpp"
 #include "sim/measure/fidelity.hpp"
 #include "sim/measure/network_run.hpp"
 
@@ -16,7 +17,6 @@ namespace {
 constexpr double kSidesPress = 3.0;  // [N] force with which the hand presses
 constexpr double kDamping = 0.5;     // device damping b [N s/m]
 constexpr double kSidesBall = 0.09;  // [m] radius of the ball
-constexpr double kRounding = 1e-9;   // [J] largest energy that rounding may explain
 
 struct WhereToBoundTask {
   std::string_view name;
@@ -75,7 +75,8 @@ struct Sums {
   double force_depth = 0.0, depth_squared = 0.0;  // [N m], [m^2]
 };
 
-void measure(const WhereToBoundTask& task, const NetworkRunResult& run, WhereToBoundCell& cell) {
+void measure(const WhereToBoundTask& task, const NetworkRunResult& run, bool ideal,
+             WhereToBoundCell& cell) {
   std::vector<double> heights;
   Sums sums;
   const std::size_t half = run.samples.size() / 2;
@@ -104,18 +105,24 @@ void measure(const WhereToBoundTask& task, const NetworkRunResult& run, WhereToB
   cell.direction_p99 = felt.direction.p99;
   cell.margin = run.measured_port.least_margin();
   cell.true_margin = run.true_port.least_margin();
-  cell.device_margin = run.least_device_margin;
+  cell.device_margin = ideal ? run.least_device_margin : -run.true_energy.made;
   cell.violations = run.measured_port.violations();
   cell.answered =
       ratio(static_cast<double>(run.servo.answered), static_cast<double>(run.servo.samples));
 }
 
-void run_where_to_bound_cell(const WhereToBoundTask& task, const Hand& hand, double assumed_damping,
-                             WhereToBoundCell& cell) {
+void run_where_to_bound_cell(const WhereToBoundTask& task, const Hand& hand,
+                             const WhereToBoundGrid& grid, WhereToBoundCell& cell) {
   NetworkRunOptions options = options_of(task, hand);
-  if (assumed_damping != 1.0) {
+  options.hand.plant = for_any_hand(grid.plant);
+  if (grid.assumed_damping != 1.0 || grid.told) {
     options.told = options.hand.spec;
-    options.told->damping = assumed_damping * kDamping;
+    options.told->damping = grid.assumed_damping * kDamping;
+  }
+  if (grid.told) {
+    const MotorLag lag = lag_of(grid.plant.amplifier);
+    options.told->actuation_lag = lag.time;
+    options.told->actuation_kind = lag.kind;
   }
   if (cell.bound == kSidesBounds[0]) {
     options.parameters.mode = kUnbounded;
@@ -128,7 +135,7 @@ void run_where_to_bound_cell(const WhereToBoundTask& task, const Hand& hand, dou
     way->loss = cell.loss.loss;
     way->burst = cell.loss.burst;
   }
-  measure(task, run_network(scene_of(task), options), cell);
+  measure(task, run_network(scene_of(task), options), grid.plant.ideal(), cell);
 }
 
 }  // namespace
@@ -166,7 +173,7 @@ std::vector<WhereToBoundCell> run_where_to_bound(const WhereToBoundGrid& grid) {
   const std::size_t per_task = cells.size() / tasks;
   parallel_for(cells.size(), [&](std::size_t i) {
     run_where_to_bound_cell(kWhereToBoundTasks[i / per_task],
-                            grid.hands[i % grid.hands.size()].hand, grid.assumed_damping, cells[i]);
+                            grid.hands[i % grid.hands.size()].hand, grid, cells[i]);
   });
   return cells;
 }
@@ -174,7 +181,7 @@ std::vector<WhereToBoundCell> run_where_to_bound(const WhereToBoundGrid& grid) {
 bool bounds_hold(const std::vector<WhereToBoundCell>& cells) {
   return std::all_of(cells.begin(), cells.end(), [](const WhereToBoundCell& cell) {
     return cell.bound == kSidesBounds[0] ||
-           (cell.violations == 0 && cell.device_margin >= -kRounding);
+           (cell.violations == 0 && cell.device_margin >= -kWhereToBoundRounding);
   });
 }
 

@@ -27,6 +27,8 @@ struct WhereToBoundGrid {
   /// The assumed damping over the device's damping: above 1 the bounds are wrong, and the taking
   /// hand must gain energy.
   double assumed_damping = 1.0;
+  Plant plant = {};   // of the device; ideal by default
+  bool told = false;  // the bounds and accounts use the lag of the plant's amplifier
 };
 
 /// All eight hands over all round trips, without loss and with 10 %, without jitter.
@@ -54,7 +56,8 @@ struct WhereToBoundCell {
   double force_error = 0.0;  // RMS of their difference over RMS of the scene's
   /// [J] least value of burned energy less delivered energy, with the movement as the encoders
   /// measured it, with the true movement, and with the true movement and the device's Coulomb
-  /// friction.
+  /// friction. With a plant that is not ideal the last one is minus the energy that the true motor
+  /// made.
   double margin = 0.0, true_margin = 0.0, device_margin = 0.0;
   std::uint64_t violations = 0;  // samples after which more was given than burned, as measured
   double answered = 0.0;         // share of the samples
@@ -68,6 +71,9 @@ inline bool clean(const WhereToBoundCell& cell) {
 /// N s/m, contact_frame, redundancy 3; the same fate for the same datagrams under all bounds.
 /// Deterministic. Throws std::invalid_argument for a grid that cannot be run.
 std::vector<WhereToBoundCell> run_where_to_bound(const WhereToBoundGrid& grid);
+
+/// [J] that rounding may explain: a bound holds if no more is missing.
+inline constexpr double kWhereToBoundRounding = 1e-9;
 
 /// Whether no bounded port ever delivered more than the device burned: as measured, and over the
 /// true movement with all of the device's dissipation.

@@ -23,12 +23,12 @@ void write_where_to_bound_hands(const std::filesystem::path& directory,
                                 const std::vector<WhereToBoundCell>& cells) {
   std::string text =
       "task,bound,hand,round_trip_ms,loss_percent,oscillation_um,displayed_n_per_m,"
-      "direction_mean_deg,margin_j,violations\n";
+      "direction_mean_deg,margin_j,violations,device_margin_j\n";
   for (const WhereToBoundCell& c : cells)
-    append(text, "%s,%s,%s,%g,%g,%.4g,%.5g,%.4g,%.4g,%llu\n", std::string(c.task).c_str(),
+    append(text, "%s,%s,%s,%g,%g,%.4g,%.5g,%.4g,%.4g,%llu,%.4g\n", std::string(c.task).c_str(),
            std::string(c.bound).c_str(), std::string(c.hand).c_str(), c.round_trip * kMilli,
            c.loss.loss * kPercent, c.oscillation * kMicro, c.displayed, c.direction_mean * kDegrees,
-           c.margin, static_cast<unsigned long long>(c.violations));
+           c.margin, static_cast<unsigned long long>(c.violations), c.device_margin);
   write_text(directory / "sides_hands.csv", text);
 }
 
@@ -67,8 +67,9 @@ std::string where_to_bound_hands_table(const std::vector<WhereToBoundCell>& cell
   for (const std::string_view bound : kSidesBounds) {
     const auto of = [&](const WhereToBoundCell& c) { return c.bound == bound; };
     const auto runs = std::ranges::count_if(cells, of);
-    const auto broken = std::ranges::count_if(
-        cells, [&](const WhereToBoundCell& c) { return of(c) && c.violations > 0; });
+    const auto broken = std::ranges::count_if(cells, [&](const WhereToBoundCell& c) {
+      return of(c) && (c.violations > 0 || c.device_margin < -kWhereToBoundRounding);
+    });
     append(text, "%-7s %5td of %td\n", std::string(bound).c_str(), broken, runs);
   }
   return text;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "client/hands/plant_file.hpp"
+#include "sim/hands/amplifier_lag.hpp"
 #include "sim/studies/bound/frontier.hpp"
 #include "sim/studies/bound/over_hands.hpp"
 
