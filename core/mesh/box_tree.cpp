@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
+
+#include "core/base/parallel.hpp"
 
 namespace feltwire {
 namespace {
@@ -169,27 +172,31 @@ BoxTree::FloatBox::FloatBox(const Bounds& box) {
 
 class BoxTree::Building {
  public:
-  Building(BoxTree& tree, std::span<const Bounds> boxes) : tree_(tree), items_(boxes.size()) {
+  explicit Building(std::span<const Bounds> boxes) : items_(boxes.size()) {
     for (std::size_t i = 0; i < boxes.size(); ++i) {
       const FloatBox box(boxes[i]);
       items_[i] = {{box.least, box.most}, static_cast<std::uint32_t>(i)};
     }
   }
 
-  void build() {
-    tree_.nodes_.reserve(items_.size() / 2);
-    tree_.items_.reserve(items_.size());
-    node(part_of(items_, 0, items_.size()), 0);
-    tree_.nodes_.shrink_to_fit();
+  void build(BoxTree& tree) {
+    const Part whole = part_of(items_, 0, items_.size());
+    tree = items_.size() < kManyItems ? subtree(whole, 0) : on_all_cores(whole);
+    tree.nodes_.shrink_to_fit();
   }
 
  private:
+  /// From this number of items on, several threads build the tree.
+  static constexpr std::size_t kManyItems = 100'000;
+  using Parts = std::vector<Part>;
+
   /// Splits `whole` into up to four parts. Each step splits the part with the highest cost. A range
   /// that fits a leaf stays whole.
-  std::size_t cut_up(const Part& whole, int level, std::array<Part, kWidth>& parts) {
-    parts[0] = whole;
-    std::size_t count = 1;
-    while (count < parts.size() && whole.size() > kMostInLeaf) {
+  Parts cut_up(const Part& whole, int level) {
+    Parts parts;
+    parts.reserve(kWidth);
+    parts.push_back(whole);
+    while (parts.size() < kWidth && whole.size() > kMostInLeaf) {
       const auto cost = [](const Part& part) {
         return part.size() < 2 ? -1.0 : part.box.area() * static_cast<double>(part.size());
       };
@@ -198,21 +205,37 @@ class BoxTree::Building {
         const bool large_a = a.size() > kMostInLeaf, large_b = b.size() > kMostInLeaf;
         return large_a != large_b ? large_b : cost(a) < cost(b);
       };
-      const auto end = parts.begin() + static_cast<std::ptrdiff_t>(count);
-      const auto next = std::max_element(parts.begin(), end, after);
+      const auto next = std::max_element(parts.begin(), parts.end(), after);
       if (next->size() < 2) break;
       const auto cut = halves(items_, *next, level);
       *next = cut[0];
-      parts[count++] = cut[1];
+      parts.push_back(cut[1]);
     }
-    return count;
+    return parts;
   }
 
-  /// Stores a node before its children, and returns its index. The items of a subtree are
+  /// Returns the tree of a range of items.
+  BoxTree subtree(const Part& whole, int level) {
+    BoxTree tree;
+    tree.nodes_.reserve(whole.size() / 2);
+    tree.items_.reserve(whole.size());
+    node(tree, whole, level);
+    return tree;
+  }
+
+  /// Appends a node, then its children. Returns the node's index. The items of a subtree are
   /// contiguous.
-  std::uint32_t node(const Part& whole, int level) {
-    const auto at = static_cast<std::uint32_t>(tree_.nodes_.size());
-    tree_.nodes_.emplace_back();
+  std::uint32_t node(BoxTree& tree, const Part& whole, int level) {
+    return node(tree, cut_up(whole, level),
+                [&](const Part& part, std::size_t) { return node(tree, part, level + 1); });
+  }
+
+  /// The same for a node that is already split. `child(part, place)` appends the child of a part
+  /// that does not fit a leaf, and returns its index.
+  template <class Child>
+  std::uint32_t node(BoxTree& tree, const Parts& parts, const Child& child) {
+    const auto at = static_cast<std::uint32_t>(tree.nodes_.size());
+    tree.nodes_.emplace_back();
     Node made;
     for (std::size_t axis = 0; axis < kAxes; ++axis) {
       made.least[axis].fill(kInfinity);
@@ -220,27 +243,66 @@ class BoxTree::Building {
     }
     made.first.fill(0);
     made.count.fill(0);
-    std::array<Part, kWidth> parts;
-    const std::size_t count = cut_up(whole, level, parts);
-    for (std::size_t c = 0; c < count; ++c) {
+    for (std::size_t c = 0; c < parts.size(); ++c) {
       for (std::size_t axis = 0; axis < kAxes; ++axis) {
         made.least[axis][c] = parts[c].box.least[axis];
         made.most[axis][c] = parts[c].box.most[axis];
       }
       if (parts[c].size() > kMostInLeaf) {
-        made.first[c] = node(parts[c], level + 1);
+        made.first[c] = child(parts[c], c);
         continue;
       }
-      made.first[c] = static_cast<std::uint32_t>(tree_.items_.size());
+      made.first[c] = static_cast<std::uint32_t>(tree.items_.size());
       made.count[c] = static_cast<std::uint32_t>(parts[c].size());
       for (std::size_t i = parts[c].begin; i < parts[c].end; ++i)
-        tree_.items_.push_back(items_[i].index);
+        tree.items_.push_back(items_[i].index);
     }
-    tree_.nodes_[at] = made;
+    tree.nodes_[at] = made;
     return at;
   }
 
-  BoxTree& tree_;
+  /// Builds the parts of the second level on all cores, then joins them. The tree does not depend
+  /// on the number of threads.
+  BoxTree on_all_cores(const Part& whole) {
+    const Parts top = cut_up(whole, 0);
+    std::vector<Parts> below(top.size());
+    parallel_for(top.size(), [&](std::size_t i) { below[i] = cut_up(top[i], 1); });
+    std::vector<BoxTree> subtrees(top.size() * kWidth);
+    parallel_for(subtrees.size(), [&](std::size_t i) {
+      const Parts& parts = below[i / kWidth];
+      const std::size_t c = i % kWidth;
+      if (c < parts.size() && parts[c].size() > kMostInLeaf) subtrees[i] = subtree(parts[c], 2);
+    });
+
+    BoxTree tree;
+    std::size_t nodes = 1 + top.size();
+    for (const BoxTree& part : subtrees) nodes += part.nodes_.size();
+    tree.nodes_.reserve(nodes);
+    tree.items_.reserve(items_.size());
+    node(tree, top, [&](const Part&, std::size_t first) {
+      return node(tree, below[first], [&](const Part&, std::size_t second) {
+        return append(tree, std::exchange(subtrees[first * kWidth + second], {}));
+      });
+    });
+    return tree;
+  }
+
+  /// Appends a tree to another. Returns the index of its first node there.
+  static std::uint32_t append(BoxTree& tree, const BoxTree& part) {
+    const auto at = static_cast<std::uint32_t>(tree.nodes_.size());
+    const auto item = static_cast<std::uint32_t>(tree.items_.size());
+    for (Node made : part.nodes_) {
+      for (std::size_t c = 0; c < kWidth; ++c)
+        if (made.count[c] > 0)
+          made.first[c] += item;
+        else if (made.first[c] > 0)  // a node. An empty slot has 0, as no child is the first node
+          made.first[c] += at;
+      tree.nodes_.push_back(made);
+    }
+    tree.items_.insert(tree.items_.end(), part.items_.begin(), part.items_.end());
+    return at;
+  }
+
   std::vector<Item> items_;
 };
 
@@ -250,7 +312,7 @@ BoxTree::BoxTree(std::span<const Bounds> boxes) {
     if (!((box.least.array().abs() <= kFarthest).all() &&
           (box.most.array().abs() <= kFarthest).all()))
       throw std::invalid_argument("boxes: must lie within 1e18 m, one does not; check the unit");
-  Building(*this, boxes).build();
+  Building(boxes).build(*this);
 }
 
 }  // namespace feltwire

@@ -3,6 +3,7 @@
 #include "core/mesh/box_tree.hpp"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <algorithm>
 #include <array>
@@ -96,6 +97,30 @@ TEST(BoxTree, TheSameBoxesGiveTheSameOrderOfVisits) {
   }
   EXPECT_EQ(order[0].size(), all.size());
   EXPECT_EQ(order[0], order[1]);
+}
+
+std::vector<std::uint32_t> visits(const BoxTree& tree) {
+  Bounds everywhere;
+  everywhere.add(Vec3::Constant(-2.0));
+  everywhere.add(Vec3::Constant(2.0));
+  std::vector<std::uint32_t> order;
+  tree.overlapping(everywhere, [&](std::uint32_t i) { order.push_back(i); });
+  return order;
+}
+
+TEST(BoxTree, OneCoreBuildsTheSameTreeAsAll) {
+  const auto all = boxes(150'000);
+  cpu_set_t cores, one;
+  ASSERT_EQ(sched_getaffinity(0, sizeof cores, &cores), 0);
+  const auto by_all = visits(BoxTree(all));
+  CPU_ZERO(&one);
+  for (int core = 0; core < CPU_SETSIZE && CPU_COUNT(&one) == 0; ++core)
+    if (CPU_ISSET(core, &cores)) CPU_SET(core, &one);
+  ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
+  const auto by_one = visits(BoxTree(all));
+  ASSERT_EQ(sched_setaffinity(0, sizeof cores, &cores), 0);
+  EXPECT_EQ(by_all.size(), all.size());
+  EXPECT_EQ(by_one, by_all);
 }
 
 }  // namespace
