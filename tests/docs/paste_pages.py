@@ -45,7 +45,8 @@ import time
 
 LONGEST = 240.0  # [s] that a command may take
 # The words of a program that the machine left standing. Such a command is typed again.
-STALLED, MOST_STALLS = ("it stood still for the hold time", "the servo loop broke off"), 3
+STALLED = ("it stood still for the hold time", "the servo loop broke off", "in a tick that held its force for")
+MOST_STALLS = 3
 READY = {"feltwire-server": "join: ", "feltwire-follower": "has the robot's seat", "feltwire-lab": "relaying: ",
          "feltwire-view": "live page: ", "feltwire-client": "round trip"}
 TERMINALS = {"server": "feltwire-server", "robot": "feltwire-follower", "hand": "feltwire-client", "relay": "feltwire-lab",

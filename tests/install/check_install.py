@@ -73,7 +73,7 @@ def main():
         headers = check_headers(prefix, compiler)
 
         example = source / "examples/my_device.cpp"
-        run("cmake", "-S", source / "tests/install/consumer", "-B", folder / "build", f"-DCMAKE_PREFIX_PATH={prefix}",
+        run("cmake", "-S", source / "tests/install/consumer", "-B", folder / "build", "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}",
             f"-DCMAKE_CXX_COMPILER={compiler}", f"-DEXAMPLES={source / 'examples'}")
         run("cmake", "--build", folder / "build", "--parallel", 2)
         run(folder / "build/bound")

@@ -37,6 +37,11 @@ feltwire.world.World = _World
 """
 
 
+def without_schedule(messages):
+    """The messages but for the one that this machine permits no real-time scheduling."""
+    return [message for message in messages if "real-time scheduling" not in message]
+
+
 def eventually(what, condition):
     """Waits until the condition holds, and returns its value."""
     end = time.monotonic() + LONGEST

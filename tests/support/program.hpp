@@ -17,6 +17,13 @@ namespace feltwire::test {
 struct Outcome {
   int status = -1;
   std::string out, error;
+
+  /// Whether the client's force was ended because the machine did not run its servo thread. On a
+  /// busy machine without permission for real-time scheduling this is no fault of the client.
+  bool stalled() const {
+    return error.find("the servo loop broke off") != std::string::npos ||
+           error.find("in a tick that held its force for") != std::string::npos;
+  }
 };
 
 /// The program with its two outputs in pipes.
