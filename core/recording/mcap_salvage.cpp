@@ -13,6 +13,7 @@
 #include "core/base/file_error.hpp"
 #include "core/recording/compression.hpp"
 #include "core/recording/mcap_bytes.hpp"
+#include "core/recording/record_search.hpp"
 
 namespace feltwire::mcap {
 namespace {
@@ -20,72 +21,6 @@ namespace {
 struct Range {
   std::uint64_t begin, end;
 };
-
-struct Head {
-  Opcode opcode;
-  std::uint64_t end;  // byte position of the record's end
-};
-
-bool is_known(std::uint8_t opcode) {
-  return (opcode >= static_cast<std::uint8_t>(Opcode::header) &&
-          opcode <= static_cast<std::uint8_t>(Opcode::data_end)) ||
-         opcode >= 0x80;  // opcodes of other programs
-}
-
-/// Returns true if a chunk must not contain a record of this type. After damage, the search stops
-/// only at such a record. So the search never takes a record out of a damaged chunk.
-bool is_outside_of_chunks(Opcode opcode) {
-  return opcode == Opcode::chunk || opcode == Opcode::message_index ||
-         opcode == Opcode::attachment || opcode == Opcode::metadata || opcode == Opcode::data_end;
-}
-
-bool has_known_fields(Opcode opcode) {
-  return opcode == Opcode::header || opcode == Opcode::metadata || opcode == Opcode::schema ||
-         opcode == Opcode::channel || opcode == Opcode::message_index ||
-         opcode == Opcode::attachment || opcode == Opcode::chunk;
-}
-
-/// Returns true if the fields fill the record. A record that is too long would hide the records
-/// after it.
-bool is_filled(Opcode opcode, Cursor content) {
-  constexpr std::size_t kNumber = sizeof(std::uint64_t), kId = sizeof(std::uint16_t);
-  constexpr std::size_t kCrc = sizeof(std::uint32_t);
-  const auto skip_texts = [&](int count) {
-    for (int i = 0; i < count; ++i) content.text();
-  };
-  switch (opcode) {
-    case Opcode::header:
-    case Opcode::metadata:
-      skip_texts(2);
-      break;
-    case Opcode::schema:
-      content.bytes(kId);
-      skip_texts(3);
-      break;
-    case Opcode::channel:
-      content.bytes(2 * kId);
-      skip_texts(3);
-      break;
-    case Opcode::message_index:
-      content.bytes(kId);
-      skip_texts(1);
-      break;
-    case Opcode::attachment:
-      content.bytes(2 * kNumber);
-      skip_texts(2);
-      content.bytes(content.number<std::uint64_t>());
-      content.bytes(kCrc);
-      break;
-    case Opcode::chunk:
-      content.bytes(3 * kNumber + kCrc);
-      skip_texts(1);
-      content.bytes(content.number<std::uint64_t>());
-      break;
-    default:
-      return true;
-  }
-  return content.ok() && content.rest().empty();
-}
 
 std::string record_of(Opcode opcode, std::string_view content) {
   std::string out;
@@ -153,10 +88,7 @@ class SalvagedFile::Parts final : public std::streambuf {
 
 /// A pass over a file that finds its intact and its missing parts.
 struct SalvagedFile::Scan {
-  Scan(std::istream& in, ReaderLimits given) : file(in), limits(given) {
-    file.clear();
-    file.seekg(0, std::ios::end);
-    size = static_cast<std::uint64_t>(std::max<std::streamoff>(0, file.tellg()));
+  Scan(std::istream& in, ReaderLimits given) : file(in, given), limits(given), size(file.size()) {
     definitions = kMagic;
     std::string nothing;
     put_text(nothing, "");
@@ -164,69 +96,12 @@ struct SalvagedFile::Scan {
     definitions += record_of(Opcode::header, nothing);
   }
 
-  std::string bytes(std::uint64_t begin, std::uint64_t end) {
-    std::string out(static_cast<std::size_t>(std::min(end, size) - std::min(begin, size)), '\0');
-    file.clear();
-    file.seekg(static_cast<std::streamoff>(begin));
-    file.read(out.data(), static_cast<std::streamsize>(out.size()));
-    out.resize(static_cast<std::size_t>(file.gcount()));
-    return out;
-  }
-
-  /// Returns the head of a record, or nothing if its length is impossible.
-  std::optional<Head> head_at(std::uint64_t at) {
-    if (at > size || size - at < kRecordHead) return std::nullopt;
-    const std::string raw = bytes(at, at + kRecordHead);
-    Cursor head(raw);
-    const auto opcode = head.number<std::uint8_t>();
-    const auto length = head.number<std::uint64_t>();
-    if (!head.ok() || !is_known(opcode) || length > limits.record ||
-        length > size - at - kRecordHead)
-      return std::nullopt;
-    return Head{static_cast<Opcode>(opcode), at + kRecordHead + length};
-  }
-
-  /// Returns true if a record begins at `at`. Either its fields fill it, or another record follows.
-  /// The other record may be incomplete.
-  bool is_record_at(std::uint64_t at) {
-    constexpr std::uint64_t kDataEnd = kRecordHead + 4;
-    if (at == size) return true;
-    const auto head = head_at(at);
-    if (!head) return false;
-    if (head->opcode == Opcode::data_end) return head->end - at == kDataEnd;
-    if (has_known_fields(head->opcode)) {
-      const std::string record = bytes(at, head->end);
-      return is_filled(head->opcode, Cursor(std::string_view(record).substr(kRecordHead)));
-    }
-    if (size - head->end <= kRecordHead || head_at(head->end)) return true;
-    const std::string cut = bytes(head->end, head->end + kRecordHead);
-    Cursor next(cut);
-    return is_known(next.number<std::uint8_t>()) && next.number<std::uint64_t>() <= limits.record;
-  }
-
-  /// Returns the position of the next record, at `at` or later, that cannot be in a chunk.
-  std::uint64_t next_after(std::uint64_t at) {
-    constexpr std::uint64_t kBlock = 1 << 20;
-    for (std::uint64_t block = at; block < size; block += kBlock) {
-      const std::string here = bytes(block, block + kBlock);
-      for (std::size_t i = 0; i < here.size(); ++i) {
-        const auto opcode = static_cast<Opcode>(static_cast<std::uint8_t>(here[i]));
-        if (!is_outside_of_chunks(opcode)) continue;
-        // The upper bytes of every possible length are zero.
-        constexpr std::size_t kUpper = 8;
-        if (i + kUpper < here.size() && here[i + kUpper] != '\0') continue;
-        if (is_record_at(block + i)) return block + i;
-      }
-    }
-    return size;
-  }
-
   /// Reads the summary if it is complete: the definitions, the times of the chunks, the statistics.
   void read_summary() {
     constexpr std::uint64_t kFooter = kRecordHead + 20;
     if (size < kFooter + kMagic.size()) return;
     const std::uint64_t footer_at = size - kMagic.size() - kFooter;
-    const std::string footer = bytes(footer_at, size);
+    const std::string footer = file.bytes(footer_at, size);
     if (!std::string_view(footer).ends_with(kMagic) ||
         footer.front() != static_cast<char>(Opcode::footer))
       return;
@@ -235,7 +110,7 @@ struct SalvagedFile::Scan {
     content.number<std::uint64_t>();
     const auto crc = content.number<std::uint32_t>();
     if (start == 0 || start >= footer_at || footer_at - start > limits.record) return;
-    const std::string summary = bytes(start, footer_at);
+    const std::string summary = file.bytes(start, footer_at);
     constexpr std::size_t kNotInCrc = 4;
     if (crc != 0 &&
         crc != crc32(std::string_view(footer).substr(0, kFooter - kNotInCrc), crc32(summary)))
@@ -293,12 +168,12 @@ struct SalvagedFile::Scan {
   void run(Parts& parts) {
     read_summary();
     std::uint64_t at = kMagic.size();
-    if (bytes(0, at) != kMagic) miss(0, at, "the first bytes are none of an MCAP file", {});
+    if (file.bytes(0, at) != kMagic) miss(0, at, "the first bytes are none of an MCAP file", {});
     const std::uint64_t data_end = summary_at.value_or(size);
     while (at < data_end) {
-      const auto head = head_at(at);
+      const auto head = file.head_at(at);
       if (!head || !is_possible(at, *head)) {
-        const std::uint64_t next = std::min(next_after(at + 1), data_end);
+        const std::uint64_t next = std::min(file.next_after(at + 1), data_end);
         miss(at, next,
              next == size && !summary_at ? "the file ends within a record, or is damaged to its end"
                                          : "no record begins here",
@@ -332,7 +207,7 @@ struct SalvagedFile::Scan {
 
   /// Returns true if the data section may contain a record with this head. Refuses an index of the
   /// summary, because it may be a chunk with a damaged opcode.
-  bool is_possible(std::uint64_t at, const Head& head) const {
+  bool is_possible(std::uint64_t at, const RecordHead& head) const {
     constexpr std::uint64_t kDataEnd = kRecordHead + 4;
     if (head.end > summary_at.value_or(size)) return false;
     switch (head.opcode) {
@@ -357,21 +232,21 @@ struct SalvagedFile::Scan {
   /// Checks the CRC of the data, because bytes outside all chunks may be damaged too.
   void check_crc(std::uint64_t data_end) {
     constexpr std::uint64_t kBlock = 1 << 20;
-    const std::string record = bytes(data_end, data_end + kRecordHead + sizeof(std::uint32_t));
+    const std::string record = file.bytes(data_end, data_end + kRecordHead + sizeof(std::uint32_t));
     const auto said = get<std::uint32_t>(std::string_view(record).substr(kRecordHead));
     if (said == 0 || !missing.empty()) return;
     std::uint32_t crc = 0;
     for (std::uint64_t at = 0; at < data_end; at += kBlock)
-      crc = crc32(bytes(at, std::min(at + kBlock, data_end)), crc);
+      crc = crc32(file.bytes(at, std::min(at + kBlock, data_end)), crc);
     if (crc != said)
       miss(data_end, data_end + record.size(),
            "the CRC of the data is wrong, but every chunk is whole", {});
   }
 
   /// Takes over a record if it is intact. Returns the position at which to continue.
-  std::uint64_t take(Parts& parts, std::uint64_t at, const Head& head) {
-    const std::string record = bytes(at, head.end);
-    if (!is_filled(head.opcode, Cursor(std::string_view(record).substr(kRecordHead))))
+  std::uint64_t take(Parts& parts, std::uint64_t at, const RecordHead& head) {
+    const std::string record = file.bytes(at, head.end);
+    if (!is_filled(head.opcode, std::string_view(record).substr(kRecordHead)))
       return lost(at, {}, "the length of a record is damaged");
     switch (head.opcode) {
       case Opcode::schema:
@@ -387,7 +262,7 @@ struct SalvagedFile::Scan {
       case Opcode::message_index:
         return head.end;
       default:  // The record is of a newer type.
-        return is_record_at(at) ? head.end : lost(at, {}, "the length of a record is damaged");
+        return file.is_record_at(at) ? head.end : lost(at, {}, "the length of a record is damaged");
     }
     const auto wrong = wrong_with(record);
     if (wrong) return lost(at, record, *wrong);
@@ -406,15 +281,16 @@ struct SalvagedFile::Scan {
   std::uint64_t lost(std::uint64_t at, const std::string& record, const std::string& what) {
     const std::uint64_t behind = at + record.size();
     const std::uint64_t end = summary_at.value_or(size);
-    const std::uint64_t next =
-        !record.empty() && (behind == end || is_record_at(behind)) ? behind : next_after(at + 1);
+    const std::uint64_t next = !record.empty() && (behind == end || file.is_record_at(behind))
+                                   ? behind
+                                   : file.next_after(at + 1);
     miss(at, std::min(next, end), what, record);
     return std::min(next, end);
   }
 
-  std::istream& file;
+  RecordSearch file;
   ReaderLimits limits;
-  std::uint64_t size = 0;
+  std::uint64_t size;
   std::string definitions;
   // Times of the first and last message of the chunks, by the chunk's position in the file.
   std::map<std::uint64_t, std::pair<std::uint64_t, std::uint64_t>> times;
