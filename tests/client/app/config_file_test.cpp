@@ -161,7 +161,8 @@ TEST_F(ConfigFileOfClient, ErrorsNameFileLineFieldAndRemedy) {
               HasSubstr("hand.json"));
   EXPECT_THAT(refused("[]"), HasSubstr("is no object"));
   EXPECT_THAT(refused("rate: 100"), HasSubstr("is YAML, not JSON"));
-  EXPECT_THAT(refusal({"--config", "/proc/nowhere/hand.json"}), HasSubstr("/proc/nowhere/hand.json"));
+  EXPECT_THAT(refusal({"--config", "/proc/nowhere/hand.json"}),
+              HasSubstr("/proc/nowhere/hand.json"));
   EXPECT_THAT(refusal({"--config"}), HasSubstr("--config"));
   // An error of the command line is none of the file.
   EXPECT_THAT(refused("{\"batch\": 1}", {"--rate", "1"}), StartsWith("feltwire-client: --rate"));

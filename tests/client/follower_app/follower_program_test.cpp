@@ -130,7 +130,8 @@ TEST_F(FollowerProgram, SaysWhereTheArmCannotBegin) {
 
 TEST_F(FollowerProgram, NamesTheFileThatItCannotWrite) {
   expect_fault({"--arm", kTable, "--record", "/proc/nowhere/robot.csv"}, "/proc/nowhere/robot.csv");
-  expect_fault({"--arm", kTable, "--report", "/proc/nowhere/robot.json"}, "/proc/nowhere/robot.json");
+  expect_fault({"--arm", kTable, "--report", "/proc/nowhere/robot.json"},
+               "/proc/nowhere/robot.json");
 }
 
 TEST_F(FollowerProgram, TheArmSitsOnTheSeatAndIsWrittenDown) {

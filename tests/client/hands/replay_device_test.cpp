@@ -102,7 +102,8 @@ TEST(Replay, NumbersThatNoMovementHasAreRefused) {
 TEST(Replay, AMissingFileIsOneClearLine) {
   const std::string text = testing::error_of<CsvError>(
       [] { make_replay_device("/proc/nowhere/hand.csv", builtin_device("simulated")); });
-  EXPECT_THAT(text, StartsWith("/proc/nowhere/hand.csv: cannot be opened: No such file or directory"));
+  EXPECT_THAT(text,
+              StartsWith("/proc/nowhere/hand.csv: cannot be opened: No such file or directory"));
 }
 
 /// The loader must not block. It must refuse a pipe without a writer and a device with endless

@@ -46,8 +46,9 @@ TEST(CsvRecording, HoldsWholeLinesAfterEachBatchAndReplays) {
 }
 
 TEST(CsvRecording, SaysWhyItCannotBeWritten) {
-  EXPECT_THAT(testing::error_of<std::runtime_error>([] { CsvRecording("/proc/nowhere/at/all.csv"); }),
-              ::testing::HasSubstr("/proc/nowhere/at/all.csv: No such file or directory"));
+  EXPECT_THAT(
+      testing::error_of<std::runtime_error>([] { CsvRecording("/proc/nowhere/at/all.csv"); }),
+      ::testing::HasSubstr("/proc/nowhere/at/all.csv: No such file or directory"));
 }
 
 TEST(CsvRecording, AFullDiskIsSaid) {

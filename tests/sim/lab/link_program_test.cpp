@@ -72,7 +72,8 @@ TEST_F(LinkProgram, FaultsAreOneLineAndANonZeroExit) {
   expect_fault({"wifi,dely=3", "--to", to}, "'dely'");
   expect_fault({"wifi", "--to", "somewhere"}, "HOST:PORT");
   expect_fault({"wifi", "--to", to, "--listen", server_port()}, "--listen");
-  expect_fault({"wifi", "--to", to, "--report", "/proc/nowhere/report.json"}, "/proc/nowhere/report.json");
+  expect_fault({"wifi", "--to", to, "--report", "/proc/nowhere/report.json"},
+               "/proc/nowhere/report.json");
   expect_fault({"wifi"}, "--to");
 }
 
