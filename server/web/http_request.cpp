@@ -42,17 +42,6 @@ std::string_view trimmed(std::string_view text) noexcept {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-/// Returns whether the path has only plain characters. The files of the page have such names, so
-/// paths with escapes are refused.
-bool is_plain_path(std::string_view path) noexcept {
-  constexpr std::string_view kMarks = "/-_.";
-  return path.starts_with('/') && path.find("..") == std::string_view::npos &&
-         path.find("//") == std::string_view::npos &&
-         std::all_of(path.begin(), path.end(), [&](char c) {
-           return is_letter_or_digit(c) || kMarks.find(c) != std::string_view::npos;
-         });
-}
-
 bool read_first_line(std::string_view line, HttpRequest& request) {
   const auto first = line.find(' '), last = line.rfind(' ');
   if (first == std::string_view::npos || first == last) return false;
@@ -96,6 +85,15 @@ const std::string* HttpRequest::header(std::string_view name) const noexcept {
     found = &header.value;
   }
   return found;
+}
+
+bool is_plain_path(std::string_view path) noexcept {
+  constexpr std::string_view kMarks = "/-_.";
+  return path.starts_with('/') && path.find("..") == std::string_view::npos &&
+         path.find("//") == std::string_view::npos &&
+         std::all_of(path.begin(), path.end(), [&](char c) {
+           return is_letter_or_digit(c) || kMarks.find(c) != std::string_view::npos;
+         });
 }
 
 std::optional<std::size_t> http_head_length(std::string_view received) noexcept {

@@ -25,6 +25,10 @@ struct HttpRequest {
   const std::string* header(std::string_view name) const noexcept;
 };
 
+/// Whether a path begins with '/' and has only letters, digits and the marks "/-_.", without ".."
+/// and "//". The files of the page have such names, so paths with escapes are refused.
+bool is_plain_path(std::string_view path) noexcept;
+
 /// [bytes] A longer head is refused.
 inline constexpr std::size_t kMaxHttpHead = 8192;
 

@@ -111,6 +111,14 @@ bool by_tls(const HttpRequest& request, const Site& site) {
   return site.secure || (forwarded != nullptr && *forwarded == "https");
 }
 
+/// Returns the folder of the client's host in which a proxy serves this site, as the proxy says in
+/// X-Forwarded-Prefix, without '/' at its end. Empty: the site has the whole host.
+std::string_view folder_of(const HttpRequest& request) {
+  const std::string* prefix = request.header("x-forwarded-prefix");
+  if (prefix == nullptr || !is_plain_path(*prefix)) return {};
+  return std::string_view(*prefix).substr(0, prefix->find_last_not_of('/') + 1);
+}
+
 /// Returns a refusal if the request for a WebSocket is malformed; else empty.
 std::optional<HttpResponse> refuse_upgrade(const HttpRequest& request) {
   const std::string* upgrade = request.header("upgrade");
@@ -192,7 +200,8 @@ HttpResponse ticket(const HttpRequest& request, const std::string& authority, co
     return plain(kNotFound, "there is no such scene, or the token does not open it\n", kNoStore);
   return plain(kOk,
                (by_tls(request, site) ? "wss://" : "ws://") + authority +
-                   std::string(kFoxglovePath) + "?ticket=" + std::string(minted->text()) + "\n",
+                   std::string(folder_of(request)) + std::string(kFoxglovePath) +
+                   "?ticket=" + std::string(minted->text()) + "\n",
                kNoStore);
 }
 

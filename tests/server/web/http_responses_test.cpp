@@ -243,6 +243,16 @@ TEST(Answers, ATicketForAToken) {
               HasSubstr("\nwss://127.0.0.1:7480/"));
   EXPECT_THAT(asked(get("/ticket?scene=a%20room", shown + "X-Forwarded-Proto: http\r\n")),
               HasSubstr("\nws://127.0.0.1:7480/"));
+  // A proxy reports the folder of its host in which it serves the page.
+  for (const std::string folder : {"/feltwire", "/feltwire/"})
+    EXPECT_THAT(
+        asked(get("/ticket?scene=a%20room", shown + "X-Forwarded-Prefix: " + folder + "\r\n")),
+        EndsWith("\nws://127.0.0.1:7480/feltwire/foxglove?ticket=fw_ticket\n"));
+  for (const std::string folder : {"", "/", "//evil.example", ".evil.example", "/a b", "/a?b"})
+    EXPECT_THAT(
+        asked(get("/ticket?scene=a%20room", shown + "X-Forwarded-Prefix: " + folder + "\r\n")),
+        EndsWith("\nws://127.0.0.1:7480/foxglove?ticket=fw_ticket\n"))
+        << folder;
   EXPECT_THAT(asked(get("/ticket?scene=a%20room", shown)), HasSubstr("Cache-Control: no-store"));
   EXPECT_THAT(asked(get("/ticket?scene=cellar", shown)), StartsWith("HTTP/1.1 404 "));
   EXPECT_THAT(asked(get("/ticket?scene=a%20room", "")), StartsWith("HTTP/1.1 401 "));

@@ -1,5 +1,7 @@
 // The address by which another viewer may look on at the scene: the server gives a ticket for each.
 
+import {socketAddress} from './socket.js';
+
 export class Foxglove {
   /** @param {HTMLDialogElement} dialog what shows an address */
   constructor(dialog) {
@@ -25,7 +27,7 @@ export class Foxglove {
 
   /** @param {{path: string, seconds: number}} ticket what the server said */
   show(ticket) {
-    this.address.value = `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}${ticket.path}`;
+    this.address.value = socketAddress(`.${ticket.path}`);
     this.dialog.querySelector('output').textContent = String(ticket.seconds);
     if (!this.dialog.open) this.dialog.showModal();
   }

@@ -14,9 +14,16 @@ export function takeToken() {
   return forSession.get(TOKEN_KEY);
 }
 
+/** The address of a WebSocket beside the page, also where a proxy serves the page in a folder. @param {string} path relative @returns {string} */
+export function socketAddress(path) {
+  const address = new URL(path, location.href);
+  address.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
+  return address.href;
+}
+
 /** A WebSocket to the server that sends the token as its first message. @param {string} token @returns {WebSocket} */
 export function openSocket(token) {
-  const socket = new WebSocket(`${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/live`, 'feltwire.live.v1');
+  const socket = new WebSocket(socketAddress('live'), 'feltwire.live.v1');
   socket.binaryType = 'arraybuffer';
   socket.onopen = () => socket.send(JSON.stringify({token}));
   return socket;
