@@ -21,7 +21,7 @@ import sys
 sys.dont_write_bytecode = True
 import quotes  # noqa: E402
 
-USUALLY_BUILT = {"feltwire-server", "feltwire-client", "feltwire-lab", "feltwire-view", "feltwire-follower"}
+USUALLY_BUILT = {"feltwire-server", "feltwire-client", "feltwire-lab", "feltwire-view", "feltwire-follower", "feltwire-bundle"}
 PROGRAM = re.compile(r"^(?:build/[a-z]+/bin/)?(feltwire-[a-z]+)$")
 
 
