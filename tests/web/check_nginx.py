@@ -268,6 +268,6 @@ http {{
 
 if __name__ == "__main__":
     if NGINX is None:
-        print("skipped: there is no nginx (scripts/packages-test.txt)")
+        print("skipped: there is no nginx (scripts/packages-check.txt)")
         sys.exit(77)
     unittest.main(argv=sys.argv[:1])
