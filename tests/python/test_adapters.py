@@ -20,8 +20,9 @@ import tempfile
 import types
 import unittest
 
-from support import PACKAGE, PATIENT, SOURCE, eventually, run_python
+from support import LONGEST, PACKAGE, PATIENT, SOURCE, eventually, run_python
 import feltwire
+import feltwire.lerobot
 
 # A busy machine may let the program wait, and the force must not fade meanwhile.
 WORLD = {**PATIENT, "hold_time": 1, "path": "press"}
@@ -191,6 +192,28 @@ class LeRobot(StandIns):
         self.assertIn("connect() joins again", eventually("the run ends", ended))
         self.assertFalse(hand.is_connected)
 
+    def test_a_run_that_ends_before_its_first_tick_is_told(self):
+        hand = make_device(self.config(options=WORLD))
+        hand.connect()
+        run = feltwire.lerobot.hand_of(hand)
+        run.stop()
+        self.assertTrue(run.wait(LONGEST))
+        run.latest = lambda: None
+        with self.assertRaisesRegex(feltwire.Error, "has ended"):
+            hand.get_action()
+
+    def test_feedback_that_is_no_number_is_named_and_not_felt(self):
+        hand = make_device(self.config(options=WORLD))
+        with hand:
+            for value in (None, "strong", float("nan"), float("inf")):
+                for name in ("force_z", "torque_x", "stiffness"):
+                    with self.assertRaisesRegex(ValueError, rf"feedback\['{name}'\] must be a finite number"):
+                        hand.send_feedback({"force_y": 9.0, name: value})
+            eventually("a pose", lambda: hand.get_action() and hand._time is not None)
+            with self.assertRaisesRegex(ValueError, "force_z"):
+                hand.send_feedback({"force_y": 9.0, "force_z": float("nan")})
+            self.assertEqual(hand.get_action()["scene_force_y"], 0.0)
+
     def test_the_plug_in_has_the_version_of_the_package(self):
         version = re.search(r"project\(feltwire VERSION (\S+)", (SOURCE / "CMakeLists.txt").read_text())[1]
         self.assertEqual(importlib.metadata.version("lerobot_teleoperator_feltwire"), version)
@@ -263,6 +286,23 @@ class Isaac(StandIns):
         eventually("nobody pushes: the force has faded to zero", lambda: device.hand.latest().force[2] == 0.0)
         with self.assertRaisesRegex(ValueError, "no forces"):
             device.push_force(Tensor())
+        forces = Tensor([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 4.0]])
+        pushed = []
+        device.hand.push = lambda force, *_, **__: pushed.append(force) or True
+        for position in (Tensor([2, 0]), Tensor([-1, 0]), Tensor([True, False, True]), (0, 2)):
+            self.assertTrue(device.push_force(forces, position))
+            self.assertEqual(pushed.pop(), [1.0, 0.0, 4.0], position)
+        device.push_force(forces, 1)
+        self.assertEqual(pushed.pop(), [0.0, 2.0, 0.0])
+        for none in (Tensor([False] * 3), Tensor()):
+            device.push_force(forces, none)
+            self.assertEqual(pushed.pop(), [0.0, 0.0, 0.0])
+        for wrong, named in ((Tensor([True, False]), "a mask of 2 truth values for 3"), (Tensor([3]), "position has 3"),
+                             (Tensor([-4]), "position has -4"), (Tensor([0.0]), "position has 0.0"), (Tensor([1, True]), "position has True")):
+            with self.assertRaisesRegex(ValueError, named):
+                device.push_force(forces, wrong)
+        self.assertEqual(pushed, [])
+        del device.hand.push
         device.hand.stop()
         eventually("the run ends", lambda: device.advance() is not None and "STOP" in called)
         self.assertFalse(device.push_force(Tensor([[0.0, 0.0, 1.0]])))
@@ -367,6 +407,23 @@ class Gymnasium(StandIns):
         env = self.wrap(lambda table, position: gym.Wrench((0, 0, max(0.0, -STIFFNESS * position[2])), STIFFNESS))
         self.felt(env)
         eventually("the force has faded", lambda: env.hand.latest().force[2] == 0.0)
+
+
+    def test_a_run_that_ends_truncates_the_episode(self):
+        env = self.wrap(lambda table, position: [])
+        env.reset()
+        self.assertEqual(env.step(0.0)[2:4], (False, False))
+        env.hand.stop()
+        self.assertTrue(env.hand.wait(LONGEST))
+        *_, terminated, truncated, info = env.step(0.0)
+        self.assertEqual((terminated, truncated, info["feltwire"]["ended"], info["feltwire"]["taken"]), (False, True, True, False))
+        steps = self.table.steps
+        for call in (lambda: env.step(0.0), env.reset):
+            with self.assertRaisesRegex(feltwire.Error, "the hand's run has ended"):
+                call()
+        self.assertEqual(self.table.steps, steps)
+        env.close()
+        self.assertTrue(self.table.closed)
 
 
 class Absent(unittest.TestCase):

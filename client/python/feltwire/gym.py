@@ -40,8 +40,11 @@ def _felt_env() -> Any:
         feltwire.World: device, path, start, normal, hold_time, max_force.
 
         step() and reset() add info["feltwire"]: position [m], orientation (w, x, y, z), force [N] and torque [N m] on the hand,
-        scene_force [N] before the bound, and taken: whether the hand took what contacts() said. reset() takes the surfaces away. If step()
+        scene_force [N] before the bound, taken: whether the hand took what contacts() said, and ended. reset() takes the surfaces away. If step()
         is not called for half the hold time, the force fades. close() ends the hand's run.
+
+        A run that ends by itself (duration, the device, an error) truncates the episode: the step that finds it returns truncated=True, and
+        info["feltwire"]["ended"] is True. After it step() and reset() raise Error, since nobody feels the environment.
         """
 
         def __init__(self, env: Any, contacts: Callable[[Any, Tuple[float, ...]], Any], *, stiffness: float, reach: float = 0.02,
@@ -49,20 +52,28 @@ def _felt_env() -> Any:
             super().__init__(env)
             self.contacts, self.reach, self.act = contacts, reach, act
             self.hand = World(stiffness=stiffness, **options)
+            self._ended = False  # and the program was told
 
         def step(self, action: Any) -> Any:
+            self._require_hand()
             tick = self.hand.latest()
             before = None if tick is None else (tuple(tick.position), tick.time)
             if self.act is not None:
                 action = self.act(action, tick)
             observation, reward, terminated, truncated, info = self.env.step(action)
             taken = before is not None and self._publish(*before)
-            return observation, reward, terminated, truncated, {**info, "feltwire": self._felt(taken)}
+            self._ended = self.hand.wait(0.0)
+            return observation, reward, terminated, truncated or self._ended, {**info, "feltwire": self._felt(taken)}
 
         def reset(self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Any:
+            self._require_hand()
             observation, info = self.env.reset(seed=seed, options=options)
             taken = self.hand.touch([], self.reach) if self.hand.latest() is not None else False
             return observation, {**info, "feltwire": self._felt(taken)}
+
+        def _require_hand(self) -> None:
+            if self._ended:
+                raise Error("the hand's run has ended; close() tells why, and another FeltEnv has another hand")
 
         def close(self) -> Any:
             self.hand.close()
@@ -75,10 +86,8 @@ def _felt_env() -> Any:
             return self.hand.touch(found, self.reach, time)
 
         def _felt(self, taken: bool) -> Dict[str, Any]:
-            tick = self.hand.latest()
-            if tick is None:
-                return {"taken": taken}
-            return {"taken": taken, **{name: tuple(getattr(tick, name)) for name in ("position", "orientation", "force", "torque", "scene_force")}}
+            tick, said = self.hand.latest(), {"taken": taken, "ended": self._ended}
+            return said if tick is None else {**said, **{name: tuple(getattr(tick, name)) for name in ("position", "orientation", "force", "torque", "scene_force")}}
 
     return FeltEnv
 

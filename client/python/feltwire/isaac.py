@@ -5,7 +5,7 @@ Importing this module imports nothing else; the class is made when it is first a
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Sequence
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence
 
 from .errors import Error
 
@@ -26,6 +26,19 @@ class FeltDeviceCfg:
     sim_device: str = "cpu"
     """of the tensors that advance() returns"""
     retargeters: Sequence[Any] = ()
+
+
+def _selected(rows: List[Any], position: Any) -> List[Any]:
+    """The rows that rows[position] of a tensor selects."""
+    chosen = position.reshape(-1).tolist() if hasattr(position, "reshape") else list(position) if hasattr(position, "__iter__") else [position]
+    if chosen and all(isinstance(one, bool) for one in chosen):
+        if len(chosen) != len(rows):
+            raise ValueError(f"position is a mask of {len(chosen)} truth values for {len(rows)} forces; give one for each force")
+        return [row for row, counts in zip(rows, chosen) if counts]
+    for one in chosen:
+        if isinstance(one, bool) or not isinstance(one, int) or not -len(rows) <= one < len(rows):
+            raise ValueError(f"position has {one!r}; give whole numbers below {len(rows)}, the number of forces, or a mask of truth values")
+    return [rows[one] for one in chosen]
 
 
 def _felt_device() -> Any:
@@ -88,14 +101,14 @@ def _felt_device() -> Any:
             return torch.cat([retargeter.retarget(raw) for retargeter in self._retargeters], dim=-1)
 
         def push_force(self, forces: Any, position: Any = None) -> bool:
-            """forces: a tensor (N, 3) [N] on the hand, world frame. position: the numbers of those that count, which are added up; None:
-            all. Returns whether the hand took it: not before the first advance() with a pose, and not after the run's end."""
+            """forces: a tensor (N, 3) [N] on the hand, world frame. position: which of them count, and are added up, as forces[position]
+            selects them: a number, whole numbers, or a mask of N truth values; None: all. Where it selects none, the force is zero. Raises
+            ValueError for a position that selects nothing that is there. Returns whether the hand took it: not before the first advance() with a pose, and not after the run's end."""
             rows = forces.detach().cpu().reshape(-1, 3).tolist()
-            if position is not None:
-                chosen = position.reshape(-1).tolist() if hasattr(position, "reshape") else list(position)
-                rows = [rows[int(one)] for one in chosen]
             if not rows:
                 raise ValueError("push_force() got no forces; give a tensor (N, 3)")
+            if position is not None:
+                rows = _selected(rows, position)
             if self._time is None or self._ended:
                 return False
             force = [sum(row[axis] for row in rows) for axis in range(3)]

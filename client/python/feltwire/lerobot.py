@@ -5,6 +5,7 @@ Importing this module imports nothing else.
 """
 from __future__ import annotations
 
+import math
 from typing import Any, Dict, Optional
 
 _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
@@ -72,15 +73,15 @@ class HandTeleoperator:
     def get_action(self) -> Dict[str, float]:
         """The newest tick; before the first the start of the scene with the first orientation. Raises Error when the run has ended."""
         hand = self._connected()
-        tick = hand.latest()
-        if tick is None:
-            found = dict(zip(_POSE, (*hand.session.start_position, 1.0, 0.0, 0.0, 0.0)))
-            return {**found, **(dict.fromkeys(_FELT, 0.0) if self.config.record_feel else {})}
-        if hand.wait(0.0):
+        ended, tick = hand.wait(0.0), hand.latest()
+        if ended:
             self._hand = None
             hand.close()  # raises the error that ended it
             from .errors import Error
             raise Error("the hand's run has ended; connect() joins again")
+        if tick is None:
+            found = dict(zip(_POSE, (*hand.session.start_position, 1.0, 0.0, 0.0, 0.0)))
+            return {**found, **(dict.fromkeys(_FELT, 0.0) if self.config.record_feel else {})}
         self._time = tick.time
         found = dict(zip(_POSE, (*tick.position, *tick.orientation)))
         if self.config.record_feel:
@@ -93,11 +94,13 @@ class HandTeleoperator:
     def send_feedback(self, feedback: Dict[str, Any]) -> None:
         """Without a server: the wrench on the hand of the robot's contact at the pose of the last get_action(). What is missing is zero, but
         for the stiffness, which is config.stiffness. Names that feedback_features does not have are ignored: LeRobot gives the whole
-        observation of a robot. With a server: ignored."""
+        observation of a robot. With a server: ignored. Raises ValueError that names what is no finite number, and gives the hand nothing."""
         hand = self._connected()
-        if self.config.server or self._time is None or not any(name in feedback for name in _FEEDBACK[:-1]):
+        if self.config.server or not any(name in feedback for name in _FEEDBACK[:-1]):
             return
-        part = {name: float(feedback.get(name, 0.0)) for name in _FEEDBACK}
+        part = {name: _number(feedback, name) for name in _FEEDBACK}
+        if self._time is None:
+            return
         hand.push([part[f"force_{axis}"] for axis in "xyz"], part["stiffness"] if "stiffness" in feedback else self.config.stiffness,
                   torque=[part[f"torque_{axis}"] for axis in "xyz"], time=self._time)
 
@@ -115,6 +118,18 @@ class HandTeleoperator:
     # LeRobot's own errors, where it is installed.
     _already_connected: Any = ConnectionError
     _not_connected: Any = ConnectionError
+
+
+def _number(feedback: Dict[str, Any], name: str) -> float:
+    value = feedback.get(name, 0.0)
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = math.nan
+    if not math.isfinite(number):
+        unit = {"force": "N", "torque": "N m", "stiffness": "N/m"}[name.split("_", maxsplit=1)[0]]
+        raise ValueError(f"feedback[{name!r}] must be a finite number [{unit}], is {value!r}; leave out what is not known")
+    return number
 
 
 def _length(vector: Any) -> float:
