@@ -71,6 +71,18 @@ class Compared(unittest.TestCase):
         result = lab.compare(EnergyStore, **QUICK)
         self.assert_equal_rows(rows(result, "energy_store"), rows(in_c, "my_law"))
 
+    def test_an_empty_list_is_named(self):
+        for name in ("methods", "tasks"):
+            with self.assertRaisesRegex(ValueError, f"{name} is an empty list"):
+                lab.compare(EnergyStore, **{**QUICK, name: []})
+        with self.assertRaisesRegex(ValueError, "methods is an empty list"):
+            lab.extremes(EnergyStore, methods=())
+        with self.assertRaisesRegex(ValueError, "damping is an empty list"):
+            lab.run("bound", damping=[])
+        for table in ([], {}):
+            with self.assertRaisesRegex(ValueError, "the table has no columns"):
+                lab.bound(table=table)
+
     def test_the_table(self):
         result = lab.compare(EnergyStore, methods=["none"], **QUICK)
         table = result.table

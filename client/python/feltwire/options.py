@@ -9,10 +9,12 @@ def words(options: Dict[str, Any], *, repeat: bool = False) -> List[str]:
     """{"path": "press", "local_model": False} -> ["--path", "press", "--no-local-model"]
 
     None is not given. A list is one word with commas; with `repeat` the option is repeated for each, and False is not given, as programs
-    without --no- options have it."""
+    without --no- options have it. Raises ValueError for an empty list."""
     found: List[str] = []
     for name, value in options.items():
         option = "--" + name.replace("_", "-")
+        if isinstance(value, (list, tuple)) and not value:
+            raise ValueError(f"{name} is an empty list; leave it out, or give at least one value")
         truth = isinstance(value, bool) or type(value).__name__ in ("bool_", "numpy.bool")  # NumPy's
         if truth and value:
             found.append(option)

@@ -135,6 +135,8 @@ def to_csv(table: Any) -> str:
         if len({len(column) for column in columns}) > 1:
             raise ValueError("the columns of the table have different lengths")
         rows = zip(*columns)
+    if not head:
+        raise ValueError("the table has no columns; give at least one row, or a dict of columns")
     writer.writerow(head)
     for row in rows:
         writer.writerow([repr(float(one)) if isinstance(one, float) else one for one in row])
