@@ -40,6 +40,8 @@ class Recorders(unittest.TestCase):
                 before = sum(map(len, seen))
                 eventually("force", lambda: ticks(before + 300) and seen[-1]["force"][-1][2] > 0.0 if len(seen[-1]) else ticks(0))
                 recorder.mark("pressed")
+                with self.assertRaisesRegex(ValueError, "character that UTF-8 does not have"):
+                    recorder.mark(os.fsdecode(b"caf\xe9"))
                 eventually("ticks", lambda: ticks(before + 600))
                 self.assertEqual((recorder.state().lost, recorder.state().failed), (0, 0))
                 with self.assertRaisesRegex(ValueError, "recorded already"):

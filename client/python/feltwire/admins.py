@@ -7,7 +7,7 @@ from .handle import Handle, _raise
 from .library import BLOCKING
 from .observer import access
 from .options import words as words_of
-from .values import text_bytes
+from .values import name_bytes
 
 
 def admin(server, *, token_file=None, fingerprint=None, fingerprint_file=None, ca_file=None, certificate_file=None, key_file=None):
@@ -35,7 +35,7 @@ class Admin(Handle):
     def request(self, *words):
         """Runs a command with the words of `feltwire-client admin`: request("set", "--object", "table", "--stiffness", 500). Returns its
         answer with --json as lists and dictionaries."""
-        encoded = [text_bytes(str(word), str.encode) for word in words]
+        encoded = [name_bytes(str(word)) for word in words]
         answer = ctypes.c_char_p()
         with self._lock:
             result = BLOCKING.fw_admin_request(self._open(), (ctypes.c_char_p * len(encoded))(*encoded), len(encoded), answer)

@@ -6,7 +6,7 @@ import os
 from typing import Any, Iterator, List, Optional, Sequence, Tuple, Union
 
 from . import abi
-from .hand import _bytes
+from .hand import _name
 from .handle import Handle, _raise, messages_of
 from .library import BLOCKING, QUICK
 from .observer import access
@@ -49,7 +49,7 @@ def follow(server: str, scene: str, *, stiffness: float, seat: Optional[str] = N
     given = abi.FollowerOptions()
     BLOCKING.fw_follower_options_default(given, ctypes.sizeof(given))
     access(given, server, token_file, fingerprint, fingerprint_file, ca_file, certificate_file, key_file)
-    given.scene, given.seat, given.robot, given.name = _bytes(scene), _bytes(seat), _bytes(robot), _bytes(name)
+    given.scene, given.seat, given.robot, given.name = _name(scene), _name(seat), _name(robot), _name(name)
     numbers = {"stiffness": stiffness, "period": period, "damping": damping, "own_damping": own_damping, "mass": mass,
                "wrench_noise": wrench_noise, "gripper_opening": gripper_opening, "speed": speed, "acceleration": acceleration, "jerk": jerk,
                "leash": leash, "duration": duration, "patience": patience}

@@ -12,7 +12,7 @@ from .handle import Handle, _raise, messages_of
 from .library import BLOCKING, QUICK
 from .options import words as _words
 from .tables import numpy_or_none
-from .values import set_number, set_vector, text_bytes
+from .values import name_bytes, set_number, set_vector, text_bytes
 
 if TYPE_CHECKING:
     from .recorder import Recorder
@@ -28,9 +28,13 @@ def _bytes(text: Optional[Path]) -> Optional[bytes]:
     return None if text is None else text_bytes(text)
 
 
+def _name(text: Optional[str]) -> Optional[bytes]:
+    return None if text is None else name_bytes(text)
+
+
 def set_hand(given: Any, device: str, spec: Optional[Path], name: str, duration: float, stale_after: float, options: Dict[str, Any]) -> None:
     """Sets what the options of all hands have, as join() describes it."""
-    given.device, given.name, given.spec = _bytes(device), _bytes(name), _bytes(spec)
+    given.device, given.name, given.spec = _bytes(device), _name(name), _bytes(spec)
     set_number(given, "duration", duration, "duration", " [s]")
     set_number(given, "stale_after", stale_after, "stale_after", " [s]")
     more = [text_bytes(word) for word in _words(options)]
@@ -57,7 +61,7 @@ def join(server: str, scene: str, *, device: str = "simulated", spec: Optional[P
         token_file = os.environ.get("FELTWIRE_TOKEN_FILE")
     given = abi.HandOptions()
     BLOCKING.fw_hand_options_default(given, ctypes.sizeof(given))
-    given.server, given.scene, given.fingerprint, given.ca_file = _bytes(server), _bytes(scene), _bytes(fingerprint), _bytes(ca_file)
+    given.server, given.scene, given.fingerprint, given.ca_file = _bytes(server), _name(scene), _bytes(fingerprint), _bytes(ca_file)
     given.fingerprint_file, given.token_file = _bytes(fingerprint_file), _bytes(token_file)
     set_hand(given, device, spec, name, duration, stale_after, options)
     handle = ctypes.c_void_p()

@@ -4,7 +4,7 @@ import os
 import threading
 
 from . import abi
-from .hand import _bytes
+from .hand import _bytes, _name
 from .handle import Handle, _raise, messages_of
 from .library import BLOCKING, QUICK
 
@@ -37,7 +37,7 @@ def observe(server, scene, *, name="python", period=0.01, patience=30.0, token_f
     given = abi.ObserverOptions()
     BLOCKING.fw_observer_options_default(given, ctypes.sizeof(given))
     access(given, server, token_file, fingerprint, fingerprint_file, ca_file, certificate_file, key_file)
-    given.scene, given.name, given.period, given.patience = _bytes(scene), _bytes(name), period, patience
+    given.scene, given.name, given.period, given.patience = _name(scene), _name(name), period, patience
     handle = ctypes.c_void_p()
     result = BLOCKING.fw_observer_open(given, handle)
     if result != abi.OK:

@@ -7,7 +7,7 @@ from . import abi
 from .hand import Path, _bytes
 from .handle import Handle, _raise
 from .library import BLOCKING, QUICK
-from .values import set_number, text_bytes
+from .values import name_bytes, set_number
 
 
 def opened(hand: ctypes.c_void_p, file: Path, replace: bool, mebibytes: float, seconds: float) -> Recorder:
@@ -29,12 +29,13 @@ class Recorder(Handle):
     hand."""
 
     NAME = "recorder"
+    AIO = "record by hand.record() of a hand of feltwire.aio"
 
     def mark(self, text: str) -> None:
-        """Writes a text at this moment into the recording: a metadata record `mark` with `text` and `time` [ns since 1970]. Raises Error if the
-        file can be written no more."""
+        """Writes a text at this moment into the recording: a metadata record `mark` with `text` and `time` [ns since 1970]. Raises ValueError
+        for a text that UTF-8 does not have, and Error if the file can be written no more."""
         with self._lock:
-            result = BLOCKING.fw_recorder_mark(self._open(), text_bytes(str(text), str.encode))
+            result = BLOCKING.fw_recorder_mark(self._open(), name_bytes(str(text)))
         if result != abi.OK:
             _raise(result)
 

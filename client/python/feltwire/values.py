@@ -25,6 +25,14 @@ def text_bytes(text: Any, encode: Callable[[Any], bytes] = os.fsencode) -> bytes
     return found
 
 
+def name_bytes(text: Any) -> bytes:
+    """A name or another text for people: UTF-8, in every locale. Raises ValueError for what is no text, or has no UTF-8."""
+    try:
+        return text_bytes(text, str.encode)
+    except UnicodeEncodeError:
+        raise ValueError(f"{text!r} has a character that UTF-8 does not have; a path read as text may have one") from None
+
+
 def set_vector(to: Any, field: str, value: Any, name: str, meaning: str) -> None:
     """Sets a field of several numbers. Raises ValueError that names it: "position must be 3 numbers [m], is [1, 2]"."""
     try:
