@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
 """feltwire.aio: hands in an event loop that never waits for them."""
 import asyncio
+import pathlib
+import tempfile
 import threading
 import unittest
 
 from support import LONGEST, PATIENT, SOURCE
 import feltwire
+import feltwire.recorder
 
 
 class AsyncHands(unittest.IsolatedAsyncioTestCase):
@@ -95,6 +98,31 @@ class AsyncHands(unittest.IsolatedAsyncioTestCase):
         async with self.join(device="caller") as hand:
             self.assertIsNotNone(hand.exchange((0.0, 0.0, 0.1), deadman=True, gripper=0.04))
             self.assertEqual(hand.hand._pose.gripper, 0.04)
+
+    async def test_a_recording_of_a_hand(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "hand.mcap"
+            async with self.join(path="press") as hand:
+                async with hand.record(file) as recorder:
+                    while recorder.state().ticks < 100:
+                        await asyncio.sleep(0.01)
+                    await recorder.mark("half")
+                    with self.assertRaisesRegex(ValueError, "recorded already"):
+                        await hand.record(file.with_name("second.mcap"))
+                self.assertGreater(len(hand.ticks()), 0)
+                again = await hand.record(file, replace=True)
+                await again.close()
+                await again.close()
+                with self.assertRaisesRegex(ValueError, "recorder is closed"):
+                    await again.mark("late")
+
+    async def test_a_hand_has_all_that_the_blocking_one_has(self):
+        def public(kind):
+            return {name for name in dir(kind) if not name.startswith("_") and name not in ("NAME", "AIO", "renew_locks")}
+
+        for blocking, twin in ((feltwire.Hand, feltwire.aio.Hand), (feltwire.Follower, feltwire.aio.Follower),
+                               (feltwire.recorder.Recorder, feltwire.aio.Recorder)):
+            self.assertEqual(public(blocking) - public(twin), set(), twin)
 
     async def test_a_join_that_is_cancelled_closes_its_hand(self):
         joining = asyncio.ensure_future(self.join()._run())

@@ -1,4 +1,4 @@
-"""Hands and followers for asyncio. A blocking call has a thread of the event loop's pool for its time; ticks are fetched in batches by the loop
+"""Hands, their recordings and followers for asyncio. A blocking call has a thread of the event loop's pool for its time; ticks are fetched in batches by the loop
 itself.
 
     async with feltwire.aio.join(server.address, "plane", path="press", duration=3) as hand:
@@ -18,12 +18,12 @@ from .errors import Error
 from .pacing import require_rate
 
 _PERIOD = 0.02  # [s] between two looks at a hand
-_Handle = TypeVar("_Handle", "Hand", "Follower")
-_Self = TypeVar("_Self", bound="_Run")
+_Handle = TypeVar("_Handle", "Hand", "Follower", "Recorder")
+_Self = TypeVar("_Self", bound="_Closed")
 
 
 class Joining(Generic[_Handle]):
-    """A join that goes on. `await` it for the Hand or Follower, or use it with `async with`, which also closes it."""
+    """A call that goes on. `await` it for the Hand, Follower or Recorder, or use it with `async with`, which also closes it."""
 
     def __init__(self, opening: Callable[[], Any], kind: Callable[[Any], _Handle]):
         self._opening, self._kind = opening, kind
@@ -65,33 +65,14 @@ def follow(server: str, scene: str, **options: Any) -> Joining[Follower]:
     return Joining(functools.partial(followers.follow, server, scene, **options), Follower)
 
 
-class _Run:
-    """What a hand and a follower share. `_blocking` is the one of feltwire."""
+class _Closed:
+    """What all share: each is closed without holding up the loop. `_blocking` is the one of feltwire."""
 
-    def __init__(self, run: Any, what: str):
-        self._blocking, self._what, self._closing = run, what, False
-
-    def messages(self) -> List[str]:
-        """Its messages since the last call."""
-        return list(self._blocking.messages())
-
-    def _ended(self) -> bool:
-        if self._closing:  # A thread closes it, and this one must not wait for it.
-            raise ValueError(f"the {self._what} is closed")
-        return bool(self._blocking.wait(0.0))
-
-    async def wait(self, timeout: Optional[float] = None) -> bool:
-        """Waits until the run has ended, at most `timeout` [s]; None: without an end. Returns whether it has ended."""
-        loop = asyncio.get_running_loop()
-        end = None if timeout is None else loop.time() + timeout
-        while not self._ended():
-            if end is not None and loop.time() >= end:
-                return False
-            await asyncio.sleep(_PERIOD)
-        return True
+    def __init__(self, blocking_one: Any):
+        self._blocking, self._closing = blocking_one, False
 
     async def close(self) -> None:
-        """Ends the run, and leaves the scene. Raises Error if an error had ended the run. May be called again."""
+        """As close() of the blocking one: ends the use, and raises its error. May be called again."""
         self._closing = True
         await asyncio.get_running_loop().run_in_executor(None, self._blocking.close)
 
@@ -106,11 +87,47 @@ class _Run:
                 raise
 
 
+class _Run(_Closed):
+    """What a hand and a follower share."""
+
+    def messages(self) -> List[str]:
+        """Its messages since the last call."""
+        return list(self._blocking.messages())
+
+    def _ended(self) -> bool:
+        if self._closing:  # A thread closes it, and this one must not wait for it.
+            raise ValueError(f"the {self._blocking.NAME} is closed")
+        return bool(self._blocking.wait(0.0))
+
+    async def wait(self, timeout: Optional[float] = None) -> bool:
+        """Waits until the run has ended, at most `timeout` [s]; None: without an end. Returns whether it has ended."""
+        loop = asyncio.get_running_loop()
+        end = None if timeout is None else loop.time() + timeout
+        while not self._ended():
+            if end is not None and loop.time() >= end:
+                return False
+            await asyncio.sleep(_PERIOD)
+        return True
+
+
+class Recorder(_Closed):
+    """A feltwire.Recorder for asyncio, of Hand.record()."""
+
+    async def mark(self, text: str) -> None:
+        """As feltwire.Recorder.mark()."""
+        await asyncio.get_running_loop().run_in_executor(None, self._blocking.mark, text)
+
+    def state(self) -> abi.RecordingState:
+        """As feltwire.Recorder.state(). Never waits."""
+        state: abi.RecordingState = self._blocking.state()
+        return state
+
+
 class Hand(_Run):
     """A feltwire.Hand for asyncio. hand is the blocking one, session what the server granted."""
 
     def __init__(self, hand: blocking.Hand):
-        super().__init__(hand, "hand")
+        super().__init__(hand)
         self.hand = hand
         self.session: abi.Session = hand.session
 
@@ -122,6 +139,14 @@ class Hand(_Run):
                  deadman: bool = False, gripper: float = -1.0) -> Optional[Tuple[Tuple[float, ...], Tuple[float, ...]]]:
         """As feltwire.Hand.exchange(). Never waits."""
         return self.hand.exchange(position, orientation, buttons, deadman, gripper)
+
+    def ticks(self) -> Any:
+        """As feltwire.Hand.ticks(), also between those of batches(): each tick comes once. Never waits."""
+        return self.hand.ticks()
+
+    def record(self, file: blocking.Path, **options: Any) -> Joining[Recorder]:
+        """As feltwire.Hand.record(), for `async with hand.record(file) as recorder` or `recorder = await hand.record(file)`."""
+        return Joining(functools.partial(self.hand.record, file, **options), Recorder)
 
     def why_no_force(self) -> str:
         """As feltwire.Hand.why_no_force(). Never waits."""
@@ -153,7 +178,7 @@ class Follower(_Run):
     """A feltwire.Follower for asyncio. follower is the blocking one."""
 
     def __init__(self, follower: followers.Follower):
-        super().__init__(follower, "follower")
+        super().__init__(follower)
         self.follower = follower
 
     def exchange(self, position: Sequence[float], orientation: Sequence[float] = (1.0, 0.0, 0.0, 0.0),
