@@ -3,9 +3,9 @@ import ctypes
 import json
 
 from . import abi
+from .access import set_access
 from .handle import Handle, _raise
 from .library import BLOCKING
-from .observer import access
 from .options import words as words_of
 from .values import name_bytes
 
@@ -15,7 +15,7 @@ def admin(server, *, token_file=None, fingerprint=None, fingerprint_file=None, c
     server has answered. Raises ValueError for a wrong option, Refused, or ServerError."""
     given = abi.AdminOptions()
     BLOCKING.fw_admin_options_default(given, ctypes.sizeof(given))
-    access(given, server, token_file, fingerprint, fingerprint_file, ca_file, certificate_file, key_file)
+    set_access(given, server, token_file, fingerprint, fingerprint_file, ca_file, certificate_file, key_file)
     handle = ctypes.c_void_p()
     result = BLOCKING.fw_admin_open(given, handle)
     if result != abi.OK:

@@ -16,6 +16,7 @@ from . import follower as followers
 from . import hand as blocking
 from .errors import Error
 from .pacing import require_rate
+from .values import Path
 
 _PERIOD = 0.02  # [s] between two looks at a hand
 _Handle = TypeVar("_Handle", "Hand", "Follower", "Recorder")
@@ -144,7 +145,7 @@ class Hand(_Run):
         """As feltwire.Hand.ticks(), also between those of batches(): each tick comes once. Never waits."""
         return self.hand.ticks()
 
-    def record(self, file: blocking.Path, **options: Any) -> Joining[Recorder]:
+    def record(self, file: Path, **options: Any) -> Joining[Recorder]:
         """As feltwire.Hand.record(), for `async with hand.record(file) as recorder` or `recorder = await hand.record(file)`."""
         return Joining(functools.partial(self.hand.record, file, **options), Recorder)
 

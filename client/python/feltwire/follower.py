@@ -2,18 +2,15 @@
 from __future__ import annotations
 
 import ctypes
-import os
-from typing import Any, Iterator, List, Optional, Sequence, Tuple, Union
+from typing import Any, Iterator, List, Optional, Sequence, Tuple
 
 from . import abi
-from .hand import _name
+from .access import set_access
 from .handle import Handle, _raise, messages_of
 from .library import BLOCKING, QUICK
-from .observer import access
 from .pacing import paced
-from .values import set_number, set_vector
+from .values import Path, name_or_none, set_number, set_vector
 
-Path = Union[str, "os.PathLike[str]"]
 Vector = Sequence[float]
 
 _TARGET_SIZE = ctypes.sizeof(abi.RobotTarget)
@@ -48,8 +45,8 @@ def follow(server: str, scene: str, *, stiffness: float, seat: Optional[str] = N
     """
     given = abi.FollowerOptions()
     BLOCKING.fw_follower_options_default(given, ctypes.sizeof(given))
-    access(given, server, token_file, fingerprint, fingerprint_file, ca_file, certificate_file, key_file)
-    given.scene, given.seat, given.robot, given.name = _name(scene), _name(seat), _name(robot), _name(name)
+    set_access(given, server, token_file, fingerprint, fingerprint_file, ca_file, certificate_file, key_file)
+    given.scene, given.seat, given.robot, given.name = name_or_none(scene), name_or_none(seat), name_or_none(robot), name_or_none(name)
     numbers = {"stiffness": stiffness, "period": period, "damping": damping, "own_damping": own_damping, "mass": mass,
                "wrench_noise": wrench_noise, "gripper_opening": gripper_opening, "speed": speed, "acceleration": acceleration, "jerk": jerk,
                "leash": leash, "duration": duration, "patience": patience}

@@ -3,38 +3,28 @@ from __future__ import annotations
 
 import ctypes
 import functools
-import os
 import warnings
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 from . import abi
+from .access import set_access
 from .handle import Handle, _raise, messages_of
 from .library import BLOCKING, QUICK
 from .options import words as _words
 from .tables import numpy_or_none
-from .values import name_bytes, set_number, set_vector, text_bytes
+from .values import Path, name_or_none, path_or_none, set_number, set_vector, text_bytes
 
 if TYPE_CHECKING:
     from .recorder import Recorder
-
-Path = Union[str, "os.PathLike[str]"]
 
 _TICK_SIZE = ctypes.sizeof(abi.Tick)
 _MOST_TICKS = 1 << 14
 _WORTH_KEEPING = _MOST_TICKS // 4  # ticks from which on an array keeps the whole room, and is no copy
 
 
-def _bytes(text: Optional[Path]) -> Optional[bytes]:
-    return None if text is None else text_bytes(text)
-
-
-def _name(text: Optional[str]) -> Optional[bytes]:
-    return None if text is None else name_bytes(text)
-
-
 def set_hand(given: Any, device: str, spec: Optional[Path], name: str, duration: float, stale_after: float, options: Dict[str, Any]) -> None:
     """Sets what the options of all hands have, as join() describes it."""
-    given.device, given.name, given.spec = _bytes(device), _name(name), _bytes(spec)
+    given.device, given.name, given.spec = path_or_none(device), name_or_none(name), path_or_none(spec)
     set_number(given, "duration", duration, "duration", " [s]")
     set_number(given, "stale_after", stale_after, "stale_after", " [s]")
     more = [text_bytes(word) for word in _words(options)]
@@ -55,14 +45,10 @@ def join(server: str, scene: str, *, device: str = "simulated", spec: Optional[P
 
     Raises ValueError for a wrong option, Refused, ServerError, or Error.
     """
-    if fingerprint is None and fingerprint_file is None and ca_file is None:
-        fingerprint_file = os.environ.get("FELTWIRE_FINGERPRINT_FILE")
-    if token_file is None:
-        token_file = os.environ.get("FELTWIRE_TOKEN_FILE")
     given = abi.HandOptions()
     BLOCKING.fw_hand_options_default(given, ctypes.sizeof(given))
-    given.server, given.scene, given.fingerprint, given.ca_file = _bytes(server), _name(scene), _bytes(fingerprint), _bytes(ca_file)
-    given.fingerprint_file, given.token_file = _bytes(fingerprint_file), _bytes(token_file)
+    set_access(given, server, token_file, fingerprint, fingerprint_file, ca_file)
+    given.scene = name_or_none(scene)
     set_hand(given, device, spec, name, duration, stale_after, options)
     handle = ctypes.c_void_p()
     result = BLOCKING.fw_hand_open(given, handle)

@@ -1,27 +1,16 @@
 """An observer of a scene: it has no hand, and sees all hands and moving bodies."""
 import ctypes
-import os
 import threading
 
 from . import abi
-from .hand import _bytes, _name
+from .access import set_access
 from .handle import Handle, _raise, messages_of
 from .library import BLOCKING, QUICK
+from .values import name_or_none
 
 _STATE_SIZE = ctypes.sizeof(abi.SceneState)
 _LONGEST_NAME = 256
 _STEP = 0.1  # [s] Python looks for Ctrl-C between two calls
-
-
-def access(given, server, token_file, fingerprint, fingerprint_file, ca_file, certificate_file, key_file):
-    """Sets the server and the credentials of options, as feltwire.join() does."""
-    if fingerprint is None and fingerprint_file is None and ca_file is None:
-        fingerprint_file = os.environ.get("FELTWIRE_FINGERPRINT_FILE")
-    if token_file is None:
-        token_file = os.environ.get("FELTWIRE_TOKEN_FILE")
-    given.server, given.fingerprint, given.ca_file = _bytes(server), _bytes(fingerprint), _bytes(ca_file)
-    given.fingerprint_file, given.token_file = _bytes(fingerprint_file), _bytes(token_file)
-    given.certificate_file, given.key_file = _bytes(certificate_file), _bytes(key_file)
 
 
 def observe(server, scene, *, name="python", period=0.01, patience=30.0, token_file=None, fingerprint=None, fingerprint_file=None,
@@ -36,8 +25,8 @@ def observe(server, scene, *, name="python", period=0.01, patience=30.0, token_f
     """
     given = abi.ObserverOptions()
     BLOCKING.fw_observer_options_default(given, ctypes.sizeof(given))
-    access(given, server, token_file, fingerprint, fingerprint_file, ca_file, certificate_file, key_file)
-    given.scene, given.name, given.period, given.patience = _name(scene), _name(name), period, patience
+    set_access(given, server, token_file, fingerprint, fingerprint_file, ca_file, certificate_file, key_file)
+    given.scene, given.name, given.period, given.patience = name_or_none(scene), name_or_none(name), period, patience
     handle = ctypes.c_void_p()
     result = BLOCKING.fw_observer_open(given, handle)
     if result != abi.OK:

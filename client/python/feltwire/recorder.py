@@ -4,17 +4,16 @@ from __future__ import annotations
 import ctypes
 
 from . import abi
-from .hand import Path, _bytes
 from .handle import Handle, _raise
 from .library import BLOCKING, QUICK
-from .values import name_bytes, set_number
+from .values import Path, name_bytes, path_or_none, set_number
 
 
 def opened(hand: ctypes.c_void_p, file: Path, replace: bool, mebibytes: float, seconds: float) -> Recorder:
     """As Hand.record()."""
     given = abi.RecorderOptions()
     BLOCKING.fw_recorder_options_default(given, ctypes.sizeof(given))
-    given.file, given.replace = _bytes(file), bool(replace)
+    given.file, given.replace = path_or_none(file), bool(replace)
     set_number(given, "mebibytes", mebibytes, "mebibytes", " [MiB]")
     set_number(given, "seconds", seconds, "seconds", " [s]")
     handle = ctypes.c_void_p()

@@ -3,7 +3,9 @@ from __future__ import annotations
 
 import ctypes
 import os
-from typing import Any, Callable
+from typing import Any, Callable, Optional, Union
+
+Path = Union[str, "os.PathLike[str]"]
 
 
 class Struct(ctypes.Structure):
@@ -31,6 +33,14 @@ def name_bytes(text: Any) -> bytes:
         return text_bytes(text, str.encode)
     except UnicodeEncodeError:
         raise ValueError(f"{text!r} has a character that UTF-8 does not have; a path read as text may have one") from None
+
+
+def path_or_none(text: Optional[Path]) -> Optional[bytes]:
+    return None if text is None else text_bytes(text)
+
+
+def name_or_none(text: Optional[str]) -> Optional[bytes]:
+    return None if text is None else name_bytes(text)
 
 
 def set_vector(to: Any, field: str, value: Any, name: str, meaning: str) -> None:
