@@ -12,6 +12,7 @@
 #include "client/run/output_files.hpp"
 #include "core/base/enum_names.hpp"
 #include "core/base/units.hpp"
+#include "core/base/utf8.hpp"
 #include "core/device/device_file.hpp"
 #include "core/recording/flight_files.hpp"
 #include "protocol/net/busy_poll.hpp"
@@ -290,6 +291,8 @@ WorkspaceMapping mapping(const OptionValues& values) {
 /// Throws std::invalid_argument if the name is too long for the protocol. The server's error would
 /// not say which name is too long.
 void check_name(const char* option, const std::string& name) {
+  if (!is_utf8(name))
+    throw std::invalid_argument(std::string(option) + ": the name is not text in UTF-8");
   if (name.size() <= control::kMaxName) return;
   throw std::invalid_argument(std::string(option) + ": the name has " +
                               std::to_string(name.size()) + " bytes; at most " +

@@ -579,7 +579,7 @@ namespace Feltwire
         [DllImport("feltwire")]
         public static extern int fw_recorder_open(IntPtr hand, ref RecorderOptions options, out IntPtr recorder);
 
-        /// <summary>Writes a text at this moment into the recording: a metadata record `mark` with `text` and `time` [ns since 1970]. Threads: any thread.</summary>
+        /// <summary>Writes a text at this moment into the recording: a metadata record `mark` with `text` and `time` [ns since 1970]. A text that is not UTF-8 is refused. Threads: any thread.</summary>
         [DllImport("feltwire")]
         public static extern int fw_recorder_mark(IntPtr recorder, IntPtr text);
 

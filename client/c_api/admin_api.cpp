@@ -45,10 +45,6 @@ std::vector<std::string> words_of(const char* const* words, std::uint32_t count)
   return read;
 }
 
-std::int32_t no_admin() noexcept {
-  return fail(FW_ERROR_ARGUMENT, "the admin is null, or another process opened it");
-}
-
 }  // namespace
 }  // namespace feltwire
 
@@ -71,7 +67,7 @@ std::int32_t fw_admin_request(fw_admin* admin, const char* const* words, std::ui
                               const char** answer) {
   if (answer == nullptr) return fail(FW_ERROR_ARGUMENT, "answer is null");
   *answer = nullptr;
-  if (!is_open(admin)) return no_admin();
+  if (!is_open(admin)) return not_open("admin");
   return guarded([&] {
     admin->object->answer = admin_answer(admin->object->server, words_of(words, count));
     *answer = admin->object->answer.c_str();
@@ -81,7 +77,7 @@ std::int32_t fw_admin_request(fw_admin* admin, const char* const* words, std::ui
 
 std::int32_t fw_admin_close(fw_admin* admin) {
   if (admin == nullptr) return FW_OK;
-  if (!is_open(admin)) return no_admin();
+  if (!is_open(admin)) return not_open("admin");
   delete admin;
   return FW_OK;
 }

@@ -334,7 +334,8 @@ FUNCTIONS = [
      "Records every tick of a hand from its next tick on, as --record of feltwire-client does. One recording of a hand at a time. A thread of "
      "the library writes. The recorder must be closed; the hand may be closed before."),
     ("i32", "recorder_mark", [("recorder*", "recorder"), ("text", "text")], ANY,
-     "Writes a text at this moment into the recording: a metadata record `mark` with `text` and `time` [ns since 1970]."),
+     "Writes a text at this moment into the recording: a metadata record `mark` with `text` and `time` [ns since 1970]. "
+     "A text that is not UTF-8 is refused."),
     ("i32", "recorder_state", [("const recorder*", "recorder"), ("recording_state*", "state"), ("u32", "struct_size")], FREE, "How far the recording is."),
     ("i32", "recorder_close", [("recorder*", "recorder")], ONE,
      "Writes the rest, waits until it is on the disk, and frees the recorder, which no other call may use meanwhile. FW_OK, or "

@@ -98,7 +98,7 @@ std::int32_t fw_hand_open(const fw_hand_options* options, fw_hand** hand) {
 }
 
 std::int32_t fw_hand_session(const fw_hand* hand, fw_session* session, std::uint32_t struct_size) {
-  if (!is_open(hand)) return no_hand();
+  if (!is_open(hand)) return not_open("hand");
   if (session == nullptr || !is_size(struct_size))
     return fail(FW_ERROR_ARGUMENT, "session is null, or struct_size is not its size");
   const control::JoinAccepted& accepted = hand->object->accepted();
@@ -115,7 +115,7 @@ std::int32_t fw_hand_session(const fw_hand* hand, fw_session* session, std::uint
 
 std::int32_t fw_hand_exchange(fw_hand* hand, const fw_pose* pose, fw_tick* tick,
                               std::uint32_t struct_size) {
-  if (!is_open(hand)) return no_hand();
+  if (!is_open(hand)) return not_open("hand");
   if (tick == nullptr || !is_size(struct_size))
     return fail(FW_ERROR_ARGUMENT, "tick is null, or struct_size is not its size");
   return guarded([&] {
@@ -131,7 +131,7 @@ std::int32_t fw_hand_exchange(fw_hand* hand, const fw_pose* pose, fw_tick* tick,
 }
 
 std::int32_t fw_hand_latest(const fw_hand* hand, fw_tick* tick, std::uint32_t struct_size) {
-  if (!is_open(hand)) return no_hand();
+  if (!is_open(hand)) return not_open("hand");
   if (tick == nullptr || !is_size(struct_size))
     return fail(FW_ERROR_ARGUMENT, "tick is null, or struct_size is not its size");
   fw_tick newest{};
@@ -142,7 +142,7 @@ std::int32_t fw_hand_latest(const fw_hand* hand, fw_tick* tick, std::uint32_t st
 
 std::int32_t fw_hand_ticks(fw_hand* hand, fw_tick* ticks, std::uint32_t struct_size,
                            std::uint32_t most, std::uint32_t* count) {
-  if (!is_open(hand)) return no_hand();
+  if (!is_open(hand)) return not_open("hand");
   if (ticks == nullptr || count == nullptr || !is_size(struct_size))
     return fail(FW_ERROR_ARGUMENT, "ticks or count is null, or struct_size is not the tick's size");
   auto* to = reinterpret_cast<unsigned char*>(ticks);
@@ -153,24 +153,24 @@ std::int32_t fw_hand_ticks(fw_hand* hand, fw_tick* ticks, std::uint32_t struct_s
 }
 
 std::int32_t fw_hand_message(fw_hand* hand, char* text, std::uint32_t size) {
-  if (!is_open(hand)) return no_hand();
+  if (!is_open(hand)) return not_open("hand");
   return give_message(hand->object->messages(), text, size);
 }
 
 std::int32_t fw_hand_wait(fw_hand* hand, double timeout) {
-  if (!is_open(hand)) return no_hand();
+  if (!is_open(hand)) return not_open("hand");
   return wait_for_end(hand->object->over(), timeout);
 }
 
 std::int32_t fw_hand_stop(fw_hand* hand) {
-  if (!is_open(hand)) return no_hand();
+  if (!is_open(hand)) return not_open("hand");
   hand->object->stop();
   return FW_OK;
 }
 
 std::int32_t fw_hand_close(fw_hand* hand) {
   if (hand == nullptr) return FW_OK;
-  if (!is_open(hand)) return no_hand();
+  if (!is_open(hand)) return not_open("hand");
   const std::string error = hand->object->end();
   const bool stuck = hand->object->is_stuck();
   if (stuck)

@@ -5,7 +5,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdio>
 #include <ctime>
+
+#include "core/base/utf8.hpp"
 
 namespace feltwire {
 namespace {
@@ -32,6 +35,12 @@ std::int32_t fail(std::int32_t result, const char* text) noexcept {
 
 const char* last_error() noexcept { return thread_error.data(); }
 
+std::int32_t not_open(const char* what) noexcept {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "the %s is null, or another process opened it", what);
+  return fail(FW_ERROR_ARGUMENT, text.data());
+}
+
 std::uint32_t forks() noexcept { return forked.load(std::memory_order_relaxed); }
 
 std::int32_t give_text(const std::optional<std::string>& found, char* to,
@@ -45,6 +54,12 @@ std::int32_t give_text(const std::optional<std::string>& found, char* to,
 std::int32_t give_message(MessageQueue& messages, char* to, std::uint32_t size) noexcept {
   if (to == nullptr || size == 0) return fail(FW_ERROR_ARGUMENT, "text is null, or size is 0");
   return guarded([&] { return give_text(messages.next(), to, size); });
+}
+
+std::string text_of(const char* given, const std::string& name) {
+  std::string text = given != nullptr ? given : "";
+  if (!is_utf8(text)) throw std::invalid_argument(name + " is not text in UTF-8");
+  return text;
 }
 
 std::int32_t wait_for_end(const Event& over, double timeout) noexcept {

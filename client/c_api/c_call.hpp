@@ -42,6 +42,9 @@ bool is_open(const Owned<Object>* handle) noexcept {
   return handle != nullptr && handle->object != nullptr && handle->process == forks();
 }
 
+/// The result for a handle that may not be used. `what`: the object of the handle, as "hand".
+std::int32_t not_open(const char* what) noexcept;
+
 /// Runs a function, and turns what it throws into a result.
 template <class Work>
 std::int32_t guarded(Work work) noexcept {
@@ -127,6 +130,9 @@ std::int32_t give_text(const std::optional<std::string>& found, char* to,
                        std::uint32_t size) noexcept;
 /// Gives the oldest message to a program. Returns an error if `to` has no room.
 std::int32_t give_message(MessageQueue& messages, char* to, std::uint32_t size) noexcept;
+/// Returns a text of a program as UTF-8; empty where it is null. Throws std::invalid_argument that
+/// names it. A path is no text: it has the bytes of the file system.
+std::string text_of(const char* given, const std::string& name);
 /// Waits until an event is set, at most `timeout` [s]. Returns FW_ENDED if it is, else FW_NOTHING;
 /// an error for a timeout that is negative or not a number.
 std::int32_t wait_for_end(const Event& over, double timeout) noexcept;

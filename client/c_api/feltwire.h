@@ -3,6 +3,7 @@
  * Written by make_bindings.py from api_table.py. Change the table.
  * docs/c_api.md has a tutorial. Units are SI. Every struct begins with its size: call its fw_..._default() with sizeof, or set
  * struct_size. A function returns a result: below 0 an error, and fw_last_error() has its text. No C++ exception leaves it.
+ * Texts are UTF-8 and end in a zero byte. A path, and a word that may be one, has the bytes of the file system.
  * Threads: each function says which thread may call it. "One thread at a time": for each handle. */
 #ifndef FELTWIRE_H
 #define FELTWIRE_H
@@ -525,7 +526,8 @@ FW_EXPORT void fw_recorder_options_default(fw_recorder_options* options, uint32_
    Threads: any thread. */
 FW_EXPORT int32_t fw_recorder_open(fw_hand* hand, const fw_recorder_options* options, fw_recorder** recorder);
 
-/* Writes a text at this moment into the recording: a metadata record `mark` with `text` and `time` [ns since 1970].
+/* Writes a text at this moment into the recording: a metadata record `mark` with `text` and `time` [ns since 1970]. A text
+   that is not UTF-8 is refused.
    Threads: any thread. */
 FW_EXPORT int32_t fw_recorder_mark(fw_recorder* recorder, const char* text);
 

@@ -61,7 +61,7 @@ FollowerSpec robot_of(const fw_follower_options& options) {
   require_field(is_positive(options.wrench_noise), "wrench_noise must be 0 N or more");
   require_field(is_positive(options.gripper_opening), "gripper_opening must be 0 m or more");
   require_field(is_positive(options.leash) && options.leash > 0.0, "leash must be above 0 N");
-  return {.name = options.robot,
+  return {.name = text_of(options.robot, "follower_options.robot"),
           .servo_period = options.period,
           .stiffness = options.stiffness,
           .damping = options.damping,
@@ -98,9 +98,9 @@ FollowerRun run_of(const fw_follower_options& options) {
                 "patience must be from 0 to 1e6 s");
   FollowerRun run;
   run.server = access_of(options, "follower_options");
-  run.name = options.name != nullptr ? options.name : "";
-  run.scene = options.scene;
-  run.seat = options.seat != nullptr ? options.seat : "";
+  run.name = text_of(options.name, "follower_options.name");
+  run.scene = text_of(options.scene, "follower_options.scene");
+  run.seat = text_of(options.seat, "follower_options.seat");
   run.options.motion.speed = options.speed;
   run.options.motion.acceleration = options.acceleration;
   run.options.motion.jerk = options.jerk;
@@ -109,10 +109,6 @@ FollowerRun run_of(const fw_follower_options& options) {
   run.duration = options.duration;
   run.patience = options.patience;
   return run;
-}
-
-std::int32_t no_follower() noexcept {
-  return fail(FW_ERROR_ARGUMENT, "the follower is null, or another process opened it");
 }
 
 /// Writes the newest target.
@@ -153,7 +149,7 @@ std::int32_t fw_follower_open(const fw_follower_options* options, fw_follower** 
 
 std::int32_t fw_follower_exchange(fw_follower* follower, const fw_robot_state* state,
                                   fw_robot_target* target, std::uint32_t struct_size) {
-  if (!is_open(follower)) return no_follower();
+  if (!is_open(follower)) return not_open("follower");
   if (target == nullptr || !is_size(struct_size))
     return fail(FW_ERROR_ARGUMENT, "target is null, or struct_size is not its size");
   return guarded([&] {
@@ -167,31 +163,31 @@ std::int32_t fw_follower_exchange(fw_follower* follower, const fw_robot_state* s
 
 std::int32_t fw_follower_latest(const fw_follower* follower, fw_robot_target* target,
                                 std::uint32_t struct_size) {
-  if (!is_open(follower)) return no_follower();
+  if (!is_open(follower)) return not_open("follower");
   if (target == nullptr || !is_size(struct_size))
     return fail(FW_ERROR_ARGUMENT, "target is null, or struct_size is not its size");
   return give_target(*follower->object, target, struct_size);
 }
 
 std::int32_t fw_follower_message(fw_follower* follower, char* text, std::uint32_t size) {
-  if (!is_open(follower)) return no_follower();
+  if (!is_open(follower)) return not_open("follower");
   return give_message(follower->object->messages(), text, size);
 }
 
 std::int32_t fw_follower_wait(fw_follower* follower, double timeout) {
-  if (!is_open(follower)) return no_follower();
+  if (!is_open(follower)) return not_open("follower");
   return wait_for_end(follower->object->over(), timeout);
 }
 
 std::int32_t fw_follower_stop(fw_follower* follower) {
-  if (!is_open(follower)) return no_follower();
+  if (!is_open(follower)) return not_open("follower");
   follower->object->stop();
   return FW_OK;
 }
 
 std::int32_t fw_follower_close(fw_follower* follower) {
   if (follower == nullptr) return FW_OK;
-  if (!is_open(follower)) return no_follower();
+  if (!is_open(follower)) return not_open("follower");
   const std::string error = follower->object->end();
   delete follower;
   return error.empty() ? FW_OK : fail(FW_ENDED, error.c_str());

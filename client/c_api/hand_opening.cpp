@@ -111,8 +111,4 @@ std::unique_ptr<OpenHand> open_hand(const HandRequest& request, const SimulatorS
   return hand;
 }
 
-std::int32_t no_hand() noexcept {
-  return fail(FW_ERROR_ARGUMENT, "the hand is null, or another process opened it");
-}
-
 }  // namespace feltwire

@@ -47,7 +47,4 @@ struct HandRequest {
 std::unique_ptr<OpenHand> open_hand(const HandRequest& request,
                                     const SimulatorScene* simulator = nullptr);
 
-/// The result for a handle that cannot be used.
-std::int32_t no_hand() noexcept;
-
 }  // namespace feltwire

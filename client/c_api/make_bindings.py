@@ -58,6 +58,7 @@ def header():
  * {NOTICE}
  * docs/c_api.md has a tutorial. Units are SI. Every struct begins with its size: call its fw_..._default() with sizeof, or set
  * struct_size. A function returns a result: below 0 an error, and fw_last_error() has its text. No C++ exception leaves it.
+ * Texts are UTF-8 and end in a zero byte. A path, and a word that may be one, has the bytes of the file system.
  * Threads: each function says which thread may call it. "One thread at a time": for each handle. */
 #ifndef FELTWIRE_H
 #define FELTWIRE_H

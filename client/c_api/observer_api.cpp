@@ -35,15 +35,11 @@ std::unique_ptr<OpenObserver> open_observer(const fw_observer_options& options) 
   if (!(options.patience >= 0.0 && options.patience <= 1e6))
     throw std::invalid_argument(name + ".patience must be from 0 to 1e6 s");
   ServerAccess server = access_of(options, name.c_str());
-  ObserverRequest request{.name = options.name != nullptr ? options.name : "",
-                          .scene = options.scene,
+  ObserverRequest request{.name = text_of(options.name, name + ".name"),
+                          .scene = text_of(options.scene, name + ".scene"),
                           .period = options.period,
                           .timeout = kControlTimeout};
   return std::make_unique<OpenObserver>(std::move(server), std::move(request), options.patience);
-}
-
-std::int32_t no_observer() noexcept {
-  return fail(FW_ERROR_ARGUMENT, "the observer is null, or another process opened it");
 }
 
 /// Copies the newest list to the structs of a program.
@@ -80,7 +76,7 @@ std::int32_t fw_observer_open(const fw_observer_options* options, fw_observer** 
 
 std::int32_t fw_observer_latest(const fw_observer* observer, fw_scene_state* state,
                                 std::uint32_t struct_size) {
-  if (!is_open(observer)) return no_observer();
+  if (!is_open(observer)) return not_open("observer");
   if (state == nullptr || !is_size(struct_size))
     return fail(FW_ERROR_ARGUMENT, "state is null, or struct_size is not its size");
   fw_scene_state newest;
@@ -92,31 +88,31 @@ std::int32_t fw_observer_latest(const fw_observer* observer, fw_scene_state* sta
 std::int32_t fw_observer_hands(const fw_observer* observer, fw_seen_hand* hands,
                                std::uint32_t struct_size, std::uint32_t most,
                                std::uint32_t* count) {
-  if (!is_open(observer)) return no_observer();
+  if (!is_open(observer)) return not_open("observer");
   return copy_list(observer->object->hands(), hands, struct_size, most, count);
 }
 
 std::int32_t fw_observer_bodies(const fw_observer* observer, fw_seen_body* bodies,
                                 std::uint32_t struct_size, std::uint32_t most,
                                 std::uint32_t* count) {
-  if (!is_open(observer)) return no_observer();
+  if (!is_open(observer)) return not_open("observer");
   return copy_list(observer->object->bodies(), bodies, struct_size, most, count);
 }
 
 std::int32_t fw_observer_hand_name(fw_observer* observer, std::uint32_t number, char* text,
                                    std::uint32_t size) {
-  if (!is_open(observer)) return no_observer();
+  if (!is_open(observer)) return not_open("observer");
   if (text == nullptr || size == 0) return fail(FW_ERROR_ARGUMENT, "text is null, or size is 0");
   return guarded([&] { return give_text(observer->object->name_of(number), text, size); });
 }
 
 std::int32_t fw_observer_message(fw_observer* observer, char* text, std::uint32_t size) {
-  if (!is_open(observer)) return no_observer();
+  if (!is_open(observer)) return not_open("observer");
   return give_message(observer->object->messages(), text, size);
 }
 
 std::int32_t fw_observer_wait(fw_observer* observer, std::uint64_t number, double timeout) {
-  if (!is_open(observer)) return no_observer();
+  if (!is_open(observer)) return not_open("observer");
   if (!(timeout >= 0.0)) return fail(FW_ERROR_ARGUMENT, "timeout must be 0 or more [s]");
   return guarded([&]() -> std::int32_t {
     switch (observer->object->wait(number, timeout)) {
@@ -133,7 +129,7 @@ std::int32_t fw_observer_wait(fw_observer* observer, std::uint64_t number, doubl
 
 std::int32_t fw_observer_close(fw_observer* observer) {
   if (observer == nullptr) return FW_OK;
-  if (!is_open(observer)) return no_observer();
+  if (!is_open(observer)) return not_open("observer");
   const std::string error = observer->object->end();
   delete observer;
   return error.empty() ? FW_OK : fail(FW_ENDED, error.c_str());

@@ -46,10 +46,6 @@ RecordingTarget target_of(const fw_recorder_options& options) {
   return target;
 }
 
-std::int32_t no_recorder() noexcept {
-  return fail(FW_ERROR_ARGUMENT, "the recorder is null, or another process opened it");
-}
-
 }  // namespace
 }  // namespace feltwire
 
@@ -61,7 +57,7 @@ void fw_recorder_options_default(fw_recorder_options* options, std::uint32_t str
 
 std::int32_t fw_recorder_open(fw_hand* hand, const fw_recorder_options* options,
                               fw_recorder** recorder) {
-  if (!is_open(hand)) return no_hand();
+  if (!is_open(hand)) return not_open("hand");
   return open_handle(recorder, "recorder", [&] {
     return hand->object->record(
         target_of(read_struct(options, usual_recorder(), "recorder_options")));
@@ -69,17 +65,17 @@ std::int32_t fw_recorder_open(fw_hand* hand, const fw_recorder_options* options,
 }
 
 std::int32_t fw_recorder_mark(fw_recorder* recorder, const char* text) {
-  if (!is_open(recorder)) return no_recorder();
+  if (!is_open(recorder)) return not_open("recorder");
   if (text == nullptr) return fail(FW_ERROR_ARGUMENT, "text is null");
   return guarded([&] {
-    recorder->object->mark(text);
+    recorder->object->mark(text_of(text, "text"));
     return FW_OK;
   });
 }
 
 std::int32_t fw_recorder_state(const fw_recorder* recorder, fw_recording_state* state,
                                std::uint32_t struct_size) {
-  if (!is_open(recorder)) return no_recorder();
+  if (!is_open(recorder)) return not_open("recorder");
   if (state == nullptr || !is_size(struct_size))
     return fail(FW_ERROR_ARGUMENT, "state is null, or struct_size is not its size");
   fw_recording_state now{};
@@ -92,7 +88,7 @@ std::int32_t fw_recorder_state(const fw_recorder* recorder, fw_recording_state* 
 
 std::int32_t fw_recorder_close(fw_recorder* recorder) {
   if (recorder == nullptr) return FW_OK;
-  if (!is_open(recorder)) return no_recorder();
+  if (!is_open(recorder)) return not_open("recorder");
   const std::string error = recorder->object->finish();
   delete recorder;
   return error.empty() ? FW_OK : fail(FW_ERROR_DEVICE, error.c_str());

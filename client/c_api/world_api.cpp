@@ -149,7 +149,7 @@ std::int32_t fw_hand_open_world(const fw_world_options* options, fw_hand** hand)
 
 std::int32_t fw_hand_touch(fw_hand* hand, double time, double reach, const fw_patch* patches,
                            std::uint32_t struct_size, std::uint32_t count) {
-  if (!is_open(hand)) return no_hand();
+  if (!is_open(hand)) return not_open("hand");
   return guarded([&] {
     OpenHand& open = with_simulator(hand);
     require(reach > 0.0 && reach <= kLongestReach, "reach must be above 0 and at most 1 m");
@@ -174,7 +174,7 @@ std::int32_t fw_hand_touch(fw_hand* hand, double time, double reach, const fw_pa
 }
 
 std::int32_t fw_hand_push(fw_hand* hand, const fw_wrench* wrench) {
-  if (!is_open(hand)) return no_hand();
+  if (!is_open(hand)) return not_open("hand");
   return guarded([&] {
     OpenHand& open = with_simulator(hand);
     const fw_wrench given = read_struct(wrench, usual_wrench(), "wrench");

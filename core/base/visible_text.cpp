@@ -1,40 +1,12 @@
 #include "core/base/visible_text.hpp"
 
 #include <array>
-#include <cstdint>
 #include <cstdio>
+
+#include "core/base/utf8.hpp"
 
 namespace feltwire {
 namespace {
-
-using CodePoint = std::uint32_t;
-
-/// A UTF-8 character and its size [bytes]. The size is 0 if the first byte begins no character.
-struct Character {
-  CodePoint code = 0;
-  std::size_t size = 0;
-};
-
-/// Returns the first character of a text. By table 3-7 of the Unicode standard, a valid character
-/// has the shortest form, is no surrogate, and is at most U+10FFFF.
-Character first_character(std::string_view text) {
-  constexpr CodePoint kFirstSurrogate = 0xD800, kLastSurrogate = 0xDFFF, kLast = 0x10FFFF;
-  // Least code of each size, indexed by size.
-  constexpr std::array<CodePoint, 5> kLeast = {0, 0, 0x80, 0x800, 0x10000};
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char lead = byte(0);
-  if (lead < 0x80) return {lead, 1};
-  const std::size_t size = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
-  if (lead < 0xC0 || lead > 0xF7 || text.size() < size) return {};
-  CodePoint code = lead & (0x7Fu >> size);
-  for (std::size_t i = 1; i < size; ++i) {
-    if ((byte(i) & 0xC0) != 0x80) return {};
-    code = code << 6 | (byte(i) & 0x3Fu);
-  }
-  const bool surrogate = code >= kFirstSurrogate && code <= kLastSurrogate;
-  if (code < kLeast[size] || code > kLast || surrogate) return {};
-  return {code, size};
-}
 
 bool within(CodePoint code, CodePoint first, CodePoint last) {
   return code >= first && code <= last;

@@ -263,6 +263,10 @@ TEST_F(FollowerApi, OptionsAndStatesThatAreWrongAreNamed) {
   refused([](Options& o) { o.stiffness = 0.0; }, FW_ERROR_ARGUMENT, "options.stiffness must be");
   refused([](Options& o) { o.period = 0.1; }, FW_ERROR_ARGUMENT, "options.period must be");
   refused([](Options& o) { o.scene = nullptr; }, FW_ERROR_ARGUMENT, "options.scene is null");
+  refused([](Options& o) { o.scene = "\xff"; }, FW_ERROR_ARGUMENT, "options.scene is not text");
+  refused([](Options& o) { o.name = "\xff"; }, FW_ERROR_ARGUMENT, "options.name is not text");
+  refused([](Options& o) { o.seat = "\xff"; }, FW_ERROR_ARGUMENT, "options.seat is not text");
+  refused([](Options& o) { o.robot = "\xff"; }, FW_ERROR_ARGUMENT, "options.robot is not text");
   refused([](Options& o) { o.locked = 16; }, FW_ERROR_ARGUMENT, "options.locked has bits");
   refused([](Options& o) { o.speed = -1.0; }, FW_ERROR_ARGUMENT, "speed limit");
   refused([](Options& o) { o.workspace_low[0] = 1.0; }, FW_ERROR_ARGUMENT, "workspace_low must be");

@@ -227,6 +227,12 @@ TEST_F(CApi, WrongArgumentsAreNamed) {
   given.device = "no_such_device";
   EXPECT_EQ(fw_hand_open(&given, &hand), FW_ERROR_ARGUMENT);
   EXPECT_THAT(fw_last_error(), HasSubstr("no_such_device"));
+  for (const char* fw_hand_options::*text : {&fw_hand_options::name, &fw_hand_options::scene}) {
+    given = options();
+    given.*text = "\xff";
+    EXPECT_EQ(fw_hand_open(&given, &hand), FW_ERROR_ARGUMENT);
+    EXPECT_THAT(fw_last_error(), HasSubstr("the name is not text in UTF-8"));
+  }
   given = options();
   const char* wrong[] = {"--stifness", "3"};
   given.more = wrong;

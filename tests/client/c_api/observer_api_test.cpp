@@ -219,6 +219,11 @@ TEST(ObserverApi, WrongArgumentsAreNamed) {
   given = server.observer_options();
   given.scene = nullptr;
   expect_error(given, "observer_options.scene is null");
+  given.scene = "r\xe4ume";
+  expect_error(given, "observer_options.scene is not text in UTF-8");
+  given = server.observer_options();
+  given.name = "\xff";
+  expect_error(given, "observer_options.name is not text in UTF-8");
   for (const double wrong : {0.0, 0.2, std::numeric_limits<double>::quiet_NaN()}) {
     given = server.observer_options();
     given.period = wrong;

@@ -53,6 +53,10 @@ TEST_F(RecorderApi, HasEveryTickAndEveryMark) {
   EXPECT_FALSE(std::filesystem::exists(path("other.mcap")));
   test::eventually("ticks", [&] { return state_of(recorder).ticks >= 300; });
   EXPECT_EQ(fw_recorder_mark(recorder, "half"), FW_OK) << fw_last_error();
+  EXPECT_EQ(fw_recorder_mark(recorder, "caf\xe9"), FW_ERROR_ARGUMENT) << "Latin-1";
+  EXPECT_STREQ(fw_last_error(), "text is not text in UTF-8");
+  EXPECT_EQ(fw_recorder_mark(nullptr, "half"), FW_ERROR_ARGUMENT);
+  EXPECT_STREQ(fw_last_error(), "the recorder is null, or another process opened it");
   test::eventually("ticks", [&] { return state_of(recorder).ticks >= 600; });
   EXPECT_EQ(state_of(recorder).lost, 0u);
   ASSERT_EQ(fw_recorder_close(recorder), FW_OK) << fw_last_error();

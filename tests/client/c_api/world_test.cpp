@@ -173,6 +173,7 @@ TEST_F(CApiWorld, WrongOptionsAreNamed) {
   };
   refused([](fw_world_options& o) { o.stiffness = 0.0; }, "stiffness");
   refused([](fw_world_options& o) { o.start_normal[2] = 0.0; }, "start_normal");
+  refused([](fw_world_options& o) { o.name = "\xff"; }, "--name: the name is not text in UTF-8");
   refused([](fw_world_options& o) { o.struct_size = 0; }, "world_options.struct_size");
   static constexpr std::array<const char*, 2> kLink = {"--link", "wifi"};
   refused(
