@@ -69,10 +69,7 @@ class Reader {
     const std::string begin = "--" + name + "=";
     if (node.kind != Kind::array) {
       if (repeats(option)) fail(node, "is a list; write [ and ] around its values");
-      std::string one = value(name, node, node.key);
-      // CLI11 would take the next word of the command line for the value.
-      if (one.empty()) fail(node, "is empty; leave it out, or write its value");
-      return {one.insert(0, begin)};
+      return {begin + value(name, node, node.key)};
     }
     if (!repeats(option) && option.get_items_expected_max() == 1)
       fail(node, "has one value; write it without brackets");
@@ -80,7 +77,6 @@ class Reader {
     for (std::size_t i = 0; i < node.children.size(); ++i) {
       const std::string key = node.key + "[" + std::to_string(i) + "]";
       values.push_back(value(name, node.children[i], key));
-      if (values.back().empty()) fail(node.children[i], key, "is empty; write its value");
     }
     if (repeats(option)) {
       for (std::string& one : values) one.insert(0, begin);
@@ -116,7 +112,9 @@ class Reader {
     if (node.kind != Kind::number && node.kind != Kind::string)
       fail(node, key, "is a number or a text; write it so");
     std::string text = node.kind == Kind::number ? node.text : text_of(node, key);
-    if (text.empty() || !file_value_) return text;
+    // CLI11 would take the next word of the command line for an empty value.
+    if (text.empty()) fail(node, key, "is empty; leave it out, or write its value");
+    if (!file_value_) return text;
     try {
       return file_value_(name, text, std::filesystem::path(file_).parent_path());
     } catch (const std::invalid_argument& error) {
