@@ -54,15 +54,6 @@ std::string today() {
   return text.data();
 }
 
-/// Returns the specification `spec` that the device reported. Adds the sources of the requested
-/// specification if both have the same name.
-SourcedSpec known_spec(const DeviceRequest& request, const Driver& driver, const DeviceSpec& spec) {
-  SourcedSpec usual = requested_spec(request.spec, driver.spec);
-  if (usual.spec.name != spec.name) usual.sources.clear();
-  usual.spec = spec;
-  return usual;
-}
-
 void tell(const IdentifyLimits& limits, const Identification& identification) {
   std::printf(
       "The device will move its handle by itself for %.0f s: up to %.0f mm to each side of where\n"
@@ -178,7 +169,8 @@ void identify(const IdentifyWords& words) {
   for (const std::string& note : opened.notes)
     std::fprintf(stderr, "feltwire-client identify: note: %s\n", visible(note).c_str());
   await_prepared(device, kPreparing, tell_no_force);
-  const SourcedSpec known = known_spec(request, *choice.driver, device.spec());
+  const SourcedSpec known =
+      reported_spec(requested_spec(request.spec, choice.driver->spec), device.spec());
   const IdentifyLimits limits = identify_limits(known.spec, words.force);
   const double longest = std::chrono::duration<double>(device.longest_tick()).count();
   // A device that sets the tick rate may tick at up to 4 kHz, faster than the rate that it

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 namespace feltwire {
@@ -53,6 +54,25 @@ void tell_transmission(SourcedSpec& known, const TransmissionFit& fit, const std
 }
 
 }  // namespace
+
+SourcedSpec reported_spec(SourcedSpec requested, const DeviceSpec& reported) {
+  constexpr const char* kOfTheDriver = "assumption of the driver";
+  if (requested.spec.name != reported.name) {
+    const auto all = sourced_builtin_devices();
+    const auto found = std::ranges::find(
+        all, reported.name, [](const SourcedSpec& one) { return std::string_view(one.spec.name); });
+    if (found == all.end()) return {.spec = reported, .sources = {}};
+    requested = *found;
+  }
+  if (!requested.tells_transmission && reported.transmission_stiffness > 0.0)
+    for (const char* field : {"transmission_stiffness", "encoder_side"})
+      requested.sources[field] = kOfTheDriver;
+  if (!requested.tells_lag && reported.actuation_lag > 0.0)
+    for (const char* field : {"actuation_lag", "actuation_kind"})
+      requested.sources[field] = kOfTheDriver;
+  requested.spec = reported;
+  return requested;
+}
 
 SourcedSpec identified_spec(SourcedSpec known, const DeviceEstimate& found,
                             const std::string& date) {

@@ -8,6 +8,11 @@
 
 namespace feltwire {
 
+/// Returns the specification that a device reported, with the sources of `requested`, or of the
+/// built-in device that it names. Where they tell no lag or no transmission, that of the report is
+/// the driver's assumption, and its source says so.
+SourcedSpec reported_spec(SourcedSpec requested, const DeviceSpec& reported);
+
 /// Returns `known` with the measured numbers: lower bounds for the numbers that the account uses.
 /// The sources say so, with the estimate and `date`. The lag is written unless `known` has late
 /// ticks, which stand for it; the transmission if the readings tell it. Throws DeviceSpecError if

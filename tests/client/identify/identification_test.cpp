@@ -2,6 +2,7 @@
 
 #include "client/identify/identification.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,6 +13,7 @@
 
 #include "client/identify/identified_spec.hpp"
 #include "client/identify/measure.hpp"
+#include "core/device/spec_text.hpp"
 #include "tests/client/identify/simulated_handle.hpp"
 
 namespace feltwire::identification_test {
@@ -203,6 +205,27 @@ TEST(IdentifiedSpec, KeepsWhatWasToldOfTheLag) {
   const SourcedSpec ticks = written_and_read(identified_spec(known, found, "2026-11-29"));
   EXPECT_FALSE(ticks.tells_lag);
   EXPECT_EQ(ticks.spec.late_ticks, 2);
+}
+
+TEST(ReportedSpec, SaysWhatTheDriverAssumes) {
+  DeviceSpec reported = sourced_spec("omega.7").spec;
+  reported.transmission_stiffness = 3e3;
+  reported.actuation_lag = 0.5e-3;
+  for (const char* requested : {"omega.7", "touch"}) {
+    const SourcedSpec known = reported_spec(sourced_spec(requested), reported);
+    EXPECT_EQ(known.spec.name, "omega.7");
+    EXPECT_EQ(known.sources.at("transmission_stiffness"), "assumption of the driver");
+    EXPECT_EQ(known.sources.at("encoder_side"), "assumption of the driver");
+    EXPECT_EQ(known.sources.at("actuation_lag"), "assumption of the driver");
+    EXPECT_EQ(known.sources.at("max_force"), sourced_spec("omega.7").sources.at("max_force"));
+    EXPECT_THAT(spec_table(known), ::testing::ContainsRegex("transmission_stiffness .*assumption"));
+  }
+  SourcedSpec told = sourced_spec("omega.7");
+  told.tells_transmission = told.tells_lag = true;
+  told.sources["transmission_stiffness"] = "measured";
+  EXPECT_EQ(reported_spec(told, reported).sources.at("transmission_stiffness"), "measured");
+  reported.name = "a device of its maker";
+  EXPECT_TRUE(reported_spec(told, reported).sources.empty());
 }
 
 TEST(IdentifiedSpec, TellsTheTransmissionAndWhatIsAssumed) {
