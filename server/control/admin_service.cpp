@@ -43,7 +43,13 @@ AdminService::AdminService(asio::io_context& io, SceneHosts& hosts, SessionDirec
       hosts_(hosts),
       directory_(directory),
       limits_(limits),
-      callbacks_(std::move(callbacks)) {}
+      callbacks_(std::move(callbacks)),
+      shape_parts_(io) {}
+
+void AdminService::look_after() {
+  for (std::size_t scene = 0; scene < hosts_.size(); ++scene)
+    shape_parts_.forget_others(scene, hosts_[scene]->current_scene().version);
+}
 
 /// Answers DescribeSessions and DescribeScene, the requests of observers. Returns false for any
 /// other request.
@@ -86,7 +92,7 @@ bool AdminService::describe_shapes(PendingRequest& asked, const control::Message
   }
   const std::size_t scene = std::get<std::size_t>(found);
   if (get != nullptr) {
-    asked.answer(shape_parts_.part(scene, hosts_[scene]->current_scene(), *get));
+    shape_parts_.part(scene, hosts_[scene]->current_scene(), *get, std::move(asked.answer));
   } else if (auto hasty = limits_.check_questions(asked.token)) {
     asked.answer(*std::move(hasty));
   } else {

@@ -55,6 +55,9 @@ class AdminService {
   /// Answers the request, now or later; false: it is another request, and `asked` is untouched.
   bool handle(PendingRequest& asked, const control::Message& request);
 
+  /// Call it once a second. It frees what belongs to scenes that were loaded again.
+  void look_after();
+
  private:
   bool describe(PendingRequest& asked, const control::Message& request);
   bool describe_shapes(PendingRequest& asked, const control::Message& request);

@@ -271,6 +271,7 @@ control::Message ControlService::list_scenes(const Token& token) const {
 }
 
 void ControlService::look_after() {
+  admins_.look_after();
   refresh_tokens();
   for (const auto& [id, seated] : directory_.sessions()) {
     const Token* token = good_token(seated.token);

@@ -31,8 +31,8 @@ class ControlService {
   /// A ControlHandler.
   void handle(ControlPeer& peer, control::Message request, ControlAnswer answer);
 
-  /// Call it once a second. It reads changed tokens again, and evicts the sessions of tokens that
-  /// are revoked or have expired.
+  /// Call it once a second. It reads changed tokens again, evicts the sessions of tokens that are
+  /// revoked or have expired, and frees what belongs to scenes that were loaded again.
   void look_after();
 
   /// Takes the sessions that the hosts report as ended.

@@ -1,8 +1,12 @@
 #include "server/control/shape_requests.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <array>
+#include <asio/post.hpp>
 #include <cmath>
+#include <exception>
 #include <string>
 #include <variant>
 #include <vector>
@@ -12,6 +16,8 @@
 #include "core/mesh/mesh_surface.hpp"
 #include "core/scene/scene.hpp"
 #include "core/tool/body_tool.hpp"
+#include "protocol/net/post.hpp"
+#include "protocol/net/real_time.hpp"
 #include "server/scene/scene_sessions.hpp"
 
 namespace feltwire {
@@ -145,6 +151,39 @@ Refused no_parts() {
           "there is no shape with vertices at this index; DescribeShapes says which have parts"};
 }
 
+/// Returns the grid whose triangles a request asks for; null: it asks for something else.
+const Grid* grid_of(const SceneInView::CurrentScene& current, const control::GetShape& request) {
+  const Scene& scene = *current.scene;
+  if (request.version != current.version || request.group != ShapeGroup::objects ||
+      request.index >= scene.objects().size())
+    return nullptr;
+  const ToolView& view = scene.views().front();
+  if (shown_mesh(view, request.index) != nullptr) return nullptr;
+  return std::get_if<Grid>(&view.objects()[request.index].shape);
+}
+
+/// Returns the next part of a shape that is no grid, or the refusal.
+control::Message part_at_once(const SceneInView::CurrentScene& current,
+                              const control::GetShape& request) {
+  if (request.version != current.version) return other_version(request.version, "shapes");
+  if (request.index >= count_of(*current.scene, request.group)) return no_parts();
+  if (request.group == ShapeGroup::tools) {
+    const auto& body = current.scene->views()[request.index].tool().body;
+    if (body == nullptr) return no_parts();
+    return part_of(body->shell().points, {}, request);
+  }
+  if (request.group == ShapeGroup::guides) {
+    const auto* curve = std::get_if<GuideCurve>(&current.scene->guides()[request.index].place);
+    if (curve == nullptr) return no_parts();
+    return part_of(curve->points, {}, request);
+  }
+  const MeshSurface* mesh = shown_mesh(current.scene->views().front(), request.index);
+  if (mesh == nullptr) return no_parts();
+  control::ShapePart part = part_of(mesh->mesh().vertices(), mesh->mesh().triangles(), request);
+  for (Vec3& vertex : part.vertices) vertex += mesh->mesh().origin();
+  return part;
+}
+
 }  // namespace
 
 control::ShapeDescriptions described_shapes(const SceneInView::CurrentScene& current,
@@ -160,32 +199,61 @@ control::ShapeDescriptions described_shapes(const SceneInView::CurrentScene& cur
   return list;
 }
 
-control::Message ShapeParts::part(std::size_t scene, const SceneInView::CurrentScene& current,
-                                  const control::GetShape& request) {
-  if (request.version != current.version) return other_version(request.version);
-  if (request.index >= count_of(*current.scene, request.group)) return no_parts();
-  if (request.group == ShapeGroup::tools) {
-    const auto& body = current.scene->views()[request.index].tool().body;
-    if (body == nullptr) return no_parts();
-    return part_of(body->shell().points, {}, request);
+void ShapeParts::part(std::size_t scene, const SceneInView::CurrentScene& current,
+                      const control::GetShape& request, Answer answer) {
+  const auto* grid = grid_of(current, request);
+  if (grid == nullptr) return answer(part_at_once(current, request));
+  const Key key{scene, current.version, request.index};
+  const auto [found, is_new] = grids_.try_emplace(key);
+  Surface& surface = found->second;
+  if (surface.triangles)
+    return answer(part_of(surface.triangles->vertices, surface.triangles->triangles, request));
+  try {
+    surface.waiting.emplace_back(request, std::move(answer));
+    if (is_new) make(key, grid->field);
+  } catch (...) {
+    if (is_new) grids_.erase(found);
+    throw;
   }
-  if (request.group == ShapeGroup::guides) {
-    const auto* curve = std::get_if<GuideCurve>(&current.scene->guides()[request.index].place);
-    if (curve == nullptr) return no_parts();
-    return part_of(curve->points, {}, request);
+}
+
+void ShapeParts::forget_others(std::size_t scene, std::uint32_t version) {
+  std::erase_if(grids_, [&](const auto& kept) {
+    const auto& [key, surface] = kept;
+    return key.scene == scene && key.version != version && surface.triangles.has_value();
+  });
+}
+
+/// Makes the triangles of a grid in the other thread. enter() then takes them in this one.
+void ShapeParts::make(const Key& key, std::shared_ptr<const DistanceGrid<float>> field) {
+  if (!worker_) {
+    worker_.emplace(1);
+    asio::post(*worker_, [] { give_way(); });
   }
-  const ToolView& view = current.scene->views().front();
-  if (const MeshSurface* mesh = shown_mesh(view, request.index)) {
-    control::ShapePart part = part_of(mesh->mesh().vertices(), mesh->mesh().triangles(), request);
-    for (Vec3& vertex : part.vertices) vertex += mesh->mesh().origin();
-    return part;
+  asio::post(*worker_, [this, key, field = std::move(field)] {
+    const auto made = std::make_shared<std::optional<TriangleSoup>>();
+    try {
+      *made = isosurface(*field, kGridSteps);
+    } catch (const std::exception& error) {
+      spdlog::error("the triangles of a grid were not made: {}", error.what());
+    }
+    post_patiently(post_to(io_), [this, key, made] { enter(key, std::move(*made)); });
+  });
+}
+
+/// Answers the requests that wait for these triangles. Empty: they could not be made.
+void ShapeParts::enter(const Key& key, std::optional<TriangleSoup> made) {
+  const auto found = grids_.find(key);
+  const auto waiting = std::exchange(found->second.waiting, {});
+  found->second.triangles = std::move(made);
+  const auto& triangles = found->second.triangles;
+  for (const auto& [request, answer] : waiting) {
+    if (triangles)
+      answer(part_of(triangles->vertices, triangles->triangles, request));
+    else
+      answer(Refused{RefusalCode::failed, "the server has no memory for the shape's triangles"});
   }
-  const auto* grid = std::get_if<Grid>(&view.objects()[request.index].shape);
-  if (grid == nullptr) return no_parts();
-  Surface& surface = grids_[{scene, request.index}];
-  if (surface.version != current.version)
-    surface = {current.version, isosurface(*grid->field, kGridSteps)};
-  return part_of(surface.triangles.vertices, surface.triangles.triangles, request);
+  if (!triangles) grids_.erase(found);
 }
 
 }  // namespace feltwire

@@ -2,12 +2,20 @@
 // The answers to clients that draw a scene: its objects, guides and tools (PROTOCOL.md, "Shapes of
 // a scene").
 
+#include <asio/io_context.hpp>
+#include <asio/thread_pool.hpp>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <memory>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "core/geometry/triangle_soup.hpp"
+#include "core/grid/distance_grid.hpp"
 #include "protocol/wire/control.hpp"
 #include "server/picture/scene_in_view.hpp"
 
@@ -18,20 +26,42 @@ namespace feltwire {
 control::ShapeDescriptions described_shapes(const SceneInView::CurrentScene& current,
                                             const control::DescribeShapes& request);
 
-/// Gives out vertices and triangles. Owns the triangles of grids: they take 30 to 70 ms, so they
-/// are made once for each version of a scene. It is on the control thread.
+/// Gives out vertices and triangles. Owns the triangles of grids: they take 30 to 70 ms, so a
+/// thread of its own makes them, once for each version of a scene. It is on the control thread.
 class ShapeParts {
  public:
-  /// The next part, or the refusal. `scene`: the number of the scene among those of the server.
-  control::Message part(std::size_t scene, const SceneInView::CurrentScene& current,
-                        const control::GetShape& request);
+  using Answer = std::function<void(control::Message)>;
+
+  /// `io` runs on the control thread, and outlives this.
+  explicit ShapeParts(asio::io_context& io) : io_(io) {}
+
+  /// Answers with the next part or the refusal, at once or when the triangles are made. `scene`:
+  /// the number of the scene among those of the server.
+  void part(std::size_t scene, const SceneInView::CurrentScene& current,
+            const control::GetShape& request, Answer answer);
+  /// Frees the triangles of other versions of a scene.
+  void forget_others(std::size_t scene, std::uint32_t version);
+  /// The number of grids whose triangles are kept or made.
+  std::size_t grids() const { return grids_.size(); }
 
  private:
-  struct Surface {
+  struct Key {
+    std::size_t scene = 0;
     std::uint32_t version = 0;
-    TriangleSoup triangles;
+    std::uint32_t object = 0;
+    auto operator<=>(const Key&) const = default;
   };
-  std::map<std::pair<std::size_t, std::uint32_t>, Surface> grids_;
+  struct Surface {
+    std::optional<TriangleSoup> triangles{};  // empty: they are being made
+    std::vector<std::pair<control::GetShape, Answer>> waiting{};
+  };
+  void make(const Key& key, std::shared_ptr<const DistanceGrid<float>> field);
+  void enter(const Key& key, std::optional<TriangleSoup> made);
+
+  asio::io_context& io_;
+  std::map<Key, Surface> grids_;
+  // Empty until the first grid. The last member: its thread uses the others.
+  std::optional<asio::thread_pool> worker_;
 };
 
 }  // namespace feltwire

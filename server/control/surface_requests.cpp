@@ -86,7 +86,7 @@ control::Message points_of(const SceneInView::CurrentScene& current, const std::
     return Refused{RefusalCode::bad_parameters,
                    "this hand's tool has no body to have in full; list the solids first"};
   if (request.version != prefetched_version(*view, current.version, current.changes))
-    return other_version(request.version);
+    return other_version(request.version, "solids");
   return control::BodyPoints{part(view->tool().body->shell().points, request.points)};
 }
 
@@ -102,7 +102,7 @@ control::Message part_of(const SceneInView::CurrentScene& current, const std::st
   const ToolView* view = current.scene->view(tool);
   if (view != nullptr &&
       request.version != prefetched_version(*view, current.version, current.changes))
-    return other_version(request.version);
+    return other_version(request.version, view->tool().body != nullptr ? "solids" : "surfaces");
   const MeshSurface* surface = mesh_of(view, request.object);
   if (surface == nullptr) return Refused{RefusalCode::bad_parameters, no_surface(request.object)};
   control::SurfacePart next{part(surface->mesh().vertices(), request.vertices),

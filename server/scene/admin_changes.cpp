@@ -155,7 +155,7 @@ control::Message AdminChanges::take_surfaces(const control::TakeSurfaces& reques
   const ToolView* view = served_.scene->view(slot->tool);
   if (view == nullptr ||
       request.version != prefetched_version(*view, served_.version, served_.live_changes))
-    return other_version(request.version);
+    return other_version(request.version, "surfaces");
   control::TakeSurfaces logged = request;
   logged.session = slot->number;
   const std::vector<std::uint8_t> event = log_.payload(logged);

@@ -11,9 +11,9 @@ std::uint32_t prefetched_version(const ToolView& view, std::uint32_t version,
   return view.tool().body != nullptr ? version + changes : version;
 }
 
-control::Refused other_version(std::uint32_t version) {
+control::Refused other_version(std::uint32_t version, const std::string& parts) {
   return {control::RefusalCode::bad_scene, "the scene has no version " + std::to_string(version) +
-                                               " any more; list its surfaces again"};
+                                               " any more; list its " + parts + " again"};
 }
 
 }  // namespace feltwire

@@ -2,6 +2,7 @@
 // The version of the objects that clients have fetched from a scene.
 
 #include <cstdint>
+#include <string>
 
 #include "core/scene/scene.hpp"
 #include "protocol/wire/control.hpp"
@@ -12,7 +13,8 @@ namespace feltwire {
 /// live `changes`.
 std::uint32_t prefetched_version(const ToolView& view, std::uint32_t version,
                                  std::uint32_t changes);
-/// The scene was loaded again since, or what a client has of it in full was changed.
-control::Refused other_version(std::uint32_t version);
+/// The scene was loaded again since, or what a client has of it in full was changed. `parts`: what
+/// the client lists again, "surfaces".
+control::Refused other_version(std::uint32_t version, const std::string& parts);
 
 }  // namespace feltwire

@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <asio/io_context.hpp>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/grid/distance_grid.hpp"
@@ -13,6 +16,7 @@
 #include "core/mesh/tessellation.hpp"
 #include "core/tool/body_tool.hpp"
 #include "server/control/shape_requests.hpp"
+#include "tests/support/eventually.hpp"
 
 namespace feltwire::shape_request_test {
 namespace {
@@ -77,14 +81,32 @@ TEST(ShapeRequest, ALongNameIsCut) {
   EXPECT_TRUE(told.ends_with("x [...]"));
 }
 
+/// The parts of shapes, and the thread that gives them out.
+struct Service {
+  asio::io_context io{};
+  ShapeParts parts{io};
+
+  /// The answer, which may come later.
+  control::Message part(const SceneInView::CurrentScene& scene, const GetShape& request) {
+    std::optional<control::Message> found;
+    parts.part(0, scene, request, [&](control::Message answer) { found = std::move(answer); });
+    test::eventually("the answer", [&] {
+      io.restart();
+      io.poll();
+      return found.has_value();
+    });
+    return *std::move(found);
+  }
+};
+
 /// Fetches all parts of a shape.
-TriangleSoup fetch(ShapeParts& parts, const SceneInView::CurrentScene& scene, GetShape request) {
+TriangleSoup fetch(Service& parts, const SceneInView::CurrentScene& scene, GetShape request) {
   TriangleSoup soup;
   for (;;) {
     request.version = scene.version;
     request.vertices = static_cast<std::uint32_t>(soup.vertices.size());
     request.triangles = static_cast<std::uint32_t>(soup.triangles.size());
-    const auto part = std::get<ShapePart>(parts.part(0, scene, request));
+    const auto part = std::get<ShapePart>(parts.part(scene, request));
     soup.vertices.insert(soup.vertices.end(), part.vertices.begin(), part.vertices.end());
     soup.triangles.insert(soup.triangles.end(), part.triangles.begin(), part.triangles.end());
     if (part.vertices.empty() && part.triangles.empty()) {
@@ -116,7 +138,7 @@ TEST(ShapeRequest, AMeshIsAMeshForEveryTool) {
     const auto list = described_shapes(now, {"room", ShapeGroup::objects, 0});
     EXPECT_EQ(list.shapes.at(0).shape, "mesh");
     EXPECT_TRUE(list.shapes.at(0).parts);
-    ShapeParts parts;
+    Service parts;
     const TriangleSoup soup = fetch(parts, now, {.scene = "room", .group = ShapeGroup::objects});
     EXPECT_EQ(soup.triangles, mesh.triangles());
     ASSERT_EQ(soup.vertices.size(), mesh.vertices().size());
@@ -138,7 +160,7 @@ Object grid_of_ball(double radius) {
 }
 
 TEST(ShapeRequest, AGridIsItsSurfaceOfTheVersionInForce) {
-  ShapeParts parts;
+  Service parts;
   constexpr double kCell = 4e-3;
   std::uint32_t version = 0;
   for (const double radius : {0.05, 0.08}) {
@@ -150,14 +172,54 @@ TEST(ShapeRequest, AGridIsItsSurfaceOfTheVersionInForce) {
   }
 }
 
+TEST(ShapeRequest, TheTrianglesOfAGridDoNotHoldUpTheControlThread) {
+  Service service;
+  const auto now = current(Scene("room", {grid_of_ball(0.05)}));
+  int answers = 0;
+  const auto ask = [&] {
+    service.parts.part(0, now, {"room", 1, ShapeGroup::objects, 0, 0, 0},
+                       [&](const control::Message& answer) {
+                         EXPECT_TRUE(std::holds_alternative<ShapePart>(answer));
+                         ++answers;
+                       });
+  };
+  ask();
+  ask();  // the same triangles, which are made once
+  EXPECT_EQ(answers, 0) << "only the control thread answers, and it did not run yet";
+  EXPECT_EQ(service.parts.grids(), 1u);
+  service.parts.forget_others(0, 2);
+  EXPECT_EQ(service.parts.grids(), 1u) << "somebody waits for them";
+  test::eventually("both answers", [&] {
+    service.io.restart();
+    service.io.poll();
+    return answers == 2;
+  });
+  ask();
+  EXPECT_EQ(answers, 3) << "at once";
+}
+
+TEST(ShapeRequest, TheTrianglesOfAnOldVersionAreFreed) {
+  Service service;
+  const GetShape request{"room", 1, ShapeGroup::objects, 0, 0, 0};
+  service.part(current(Scene("room", {grid_of_ball(0.05)})), request);
+  EXPECT_EQ(service.parts.grids(), 1u);
+  service.parts.forget_others(1, 2);  // another scene
+  service.parts.forget_others(0, 1);
+  EXPECT_EQ(service.parts.grids(), 1u);
+  service.parts.forget_others(0, 2);
+  EXPECT_EQ(service.parts.grids(), 0u);
+}
+
 TEST(ShapeRequest, WhatIsNotThereIsRefused) {
-  ShapeParts parts;
+  Service parts;
   const auto now = current(Scene("room", {sphere("s")}), 2);
   const auto code = [&](const GetShape& request) {
-    return std::get<Refused>(parts.part(0, now, request)).code;
+    return std::get<Refused>(parts.part(now, request)).code;
   };
   using control::RefusalCode;
   EXPECT_EQ(code({"room", 1, ShapeGroup::objects, 0, 0, 0}), RefusalCode::bad_scene);
+  EXPECT_EQ(std::get<Refused>(parts.part(now, {"room", 1, ShapeGroup::objects, 0, 0, 0})).reason,
+            "the scene has no version 1 any more; list its shapes again");
   EXPECT_EQ(code({"room", 2, ShapeGroup::objects, 0, 0, 0}), RefusalCode::bad_parameters);
   EXPECT_EQ(code({"room", 2, ShapeGroup::objects, 1, 0, 0}), RefusalCode::bad_parameters);
   EXPECT_EQ(code({"room", 2, ShapeGroup::guides, 0, 0, 0}), RefusalCode::bad_parameters);
