@@ -26,8 +26,8 @@ auto Connection::safely(Work work) {
     try {
       work(results...);
     } catch (const std::exception& error) {
-      spdlog::error("live page: a connection from {} ends, the server failed at it: {}",
-                    self->address_.to_string(), error.what());
+      spdlog::error("{}: a connection from {} ends, the server failed at it: {}",
+                    self->host_.log_name(), self->address_.to_string(), error.what());
       self->end();
     }
   };

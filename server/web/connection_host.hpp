@@ -4,6 +4,7 @@
 #include <asio/io_context.hpp>
 #include <asio/ip/address.hpp>
 #include <chrono>
+#include <string_view>
 
 #include "server/access/connection_slots.hpp"
 #include "server/web/http_responses.hpp"
@@ -15,6 +16,8 @@ class ConnectionHost {
  public:
   virtual asio::io_context& io() = 0;
   virtual ViewerHub& hub() = 0;
+  /// The name of the port, for the log.
+  virtual std::string_view log_name() const = 0;
   /// The site for a request from this address.
   virtual Site site(const asio::ip::address& asked_from) = 0;
   /// From connecting to a whole request, and from there to a valid token.

@@ -102,7 +102,7 @@ std::string WebServer::url() const {
   return (secure() ? "https://" : "http://") + host() + ":" + std::to_string(port_) + "/";
 }
 
-/// Runs the thread of the live page. The handlers of a connection catch their own exceptions. An
+/// Runs the thread of the port. The handlers of a connection catch their own exceptions. An
 /// exception of another handler is logged, and the server continues.
 void WebServer::run() {
   constexpr std::chrono::milliseconds kPause{100};  // pause after an exception, against a busy loop
@@ -112,7 +112,7 @@ void WebServer::run() {
       io_.run();
       ended = true;
     } catch (const std::exception& error) {
-      spdlog::error("live page: {}; it goes on", error.what());
+      spdlog::error("{}: {}; it goes on", log_name(), error.what());
       std::this_thread::sleep_for(kPause);
       if (acceptor_.is_open()) accept_later();
       showing_ = false;

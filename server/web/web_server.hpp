@@ -76,6 +76,9 @@ class WebServer final : private ConnectionHost {
   asio::io_context& io() override { return io_; }
   ViewerHub& hub() override { return hub_; }
   Site site(const asio::ip::address& asked_from) override;
+  std::string_view log_name() const override {
+    return options_.counters_only ? "metrics" : "live page";
+  }
   std::chrono::milliseconds patience() const override { return options_.patience; }
   void admitted(ConnectionSlots::Id id) override;
   void parting(ConnectionSlots::Id id) override;

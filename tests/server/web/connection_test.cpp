@@ -5,8 +5,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 
 #include <array>
+#include <memory>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
 
 #include "tests/server/web/frames.hpp"
 #include "tests/support/security.hpp"
@@ -84,7 +90,12 @@ class ConnectionTest : public ::testing::Test, public ConnectionHost {
  public:
   asio::io_context& io() override { return io_; }
   ViewerHub& hub() override { return hub_; }
-  Site site(const asio::ip::address&) override { return {kPage, {}, false}; }
+  std::string_view log_name() const override { return "metrics"; }
+  Site site(const asio::ip::address&) override {
+    Site site{kPage, {}, false};
+    site.metrics = []() -> std::string { throw std::runtime_error("no counters"); };
+    return site;
+  }
   std::chrono::milliseconds patience() const override { return std::chrono::minutes(10); }
   void admitted(ConnectionSlots::Id) override { ++admitted_; }
   void parting(ConnectionSlots::Id) override { ++parting_; }
@@ -124,6 +135,17 @@ class ConnectionTest : public ::testing::Test, public ConnectionHost {
       *this, 1, std::make_unique<FakeStream>(other_), asio::ip::make_address("127.0.0.1"));
   int admitted_ = 0, parting_ = 0, ended_ = 0;
 };
+
+TEST_F(ConnectionTest, AFailureNamesThePort) {
+  std::ostringstream log;
+  const auto usual = spdlog::default_logger();
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+      "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log)));
+  other_.say("GET /metrics HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
+  spdlog::set_default_logger(usual);
+  EXPECT_THAT(log.str(), ::testing::HasSubstr("metrics: a connection from 127.0.0.1 ends"));
+  EXPECT_TRUE(over());
+}
 
 TEST_F(ConnectionTest, ReadsNothingWhileOutputWaits) {
   enter();
