@@ -130,7 +130,7 @@ struct Gateway::Parts {
       }
     }
     try {
-      web->renew(read_identity_again(security_files));
+      web->renew(read_security_again(security_files).identity);
     } catch (const std::exception& error) {
       spdlog::error("{}; the certificate stays as it was", visible(error.what()));
     }

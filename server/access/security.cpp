@@ -6,6 +6,7 @@
 #include <asio/buffer.hpp>
 #include <asio/ip/address.hpp>
 #include <asio/ssl/context.hpp>
+#include <cstdint>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -37,13 +38,18 @@ bool needs_state(const SecurityOptions& config) {
   return !config.state.empty() || config.certificate.empty() || config.tokens.empty();
 }
 
+/// Throws FileError if others than the owner may write to the folder.
+void check_folder(const fs::path& folder) {
+  if (const auto open = open_folder(folder)) throw FileError(*open);
+}
+
 /// Makes the folder, with access for its owner only. Throws FileError if that fails, or if other
 /// users may write to the folder.
 void make_folder(const fs::path& folder) {
   if (const std::error_code failed = make_private_folder(folder))
     throw FileError(folder.string() + ": cannot be made: " + failed.message() +
                     "; choose another folder with --state");
-  if (const auto open = open_folder(folder)) throw FileError(*open);
+  check_folder(folder);
 }
 
 /// Returns the names and addresses that clients may use for this server.
@@ -63,22 +69,26 @@ std::vector<std::string> own_names(const SecurityOptions& config) {
   return names;
 }
 
-/// Loads the key and the certificate from the state folder, and makes them if they are missing. The
-/// key is written first, then the certificate, then (by open_security) the fingerprint. A key
+/// A start makes the files that are missing; a renewal refuses.
+enum class Missing : std::uint8_t { made, refused };
+
+/// Loads the key and the certificate from the state folder. A start makes them if they are missing.
+/// The key is written first, then the certificate, then (by open_security) the fingerprint. A key
 /// without certificate and fingerprint shows that the first start was interrupted: both are made
 /// again.
-Identity own_identity(const SecurityOptions& config, const fs::path& folder) {
+Identity own_identity(const SecurityOptions& config, const fs::path& folder, Missing missing) {
   const fs::path certificate = folder / kCertificate, key = folder / kKey;
   const bool has_certificate = fs::exists(certificate), has_key = fs::exists(key);
   const bool was_known = fs::exists(folder / kFingerprint);
-  if (!has_certificate && (!has_key || !was_known)) {
+  const bool is_first_start = !has_certificate && (!has_key || !was_known);
+  if (is_first_start && missing == Missing::made) {
     const Identity made = make_identity(own_names(config));
     replace_file(key, made.key.text(), kPrivate);
     replace_file(certificate, made.certificate, kPublic);
   } else if (has_certificate != has_key) {
-    const fs::path& missing = has_key ? certificate : key;
+    const fs::path& lost = has_key ? certificate : key;
     const fs::path& there = has_key ? key : certificate;
-    throw FileError(missing.string() + ": is missing; put it back, or remove " + there.string() +
+    throw FileError(lost.string() + ": is missing; put it back, or remove " + there.string() +
                     " too: then both are made anew, and clients need the new fingerprint");
   }
   return load_identity(certificate, key);
@@ -122,6 +132,25 @@ void tidy(const SecurityOptions& config, const fs::path& folder) {
   remove_leftovers(token_file(config));
 }
 
+/// Checks and reads all files but the tokens, at the start and at each renewal.
+RenewedFiles read_files(const SecurityOptions& config, Missing missing) {
+  RenewedFiles files{.identity = {}, .client_authorities = read_authorities(config)};
+  if (!needs_state(config)) {
+    files.identity = load_identity(config.certificate, config.key);
+    return files;
+  }
+  const bool makes = missing == Missing::made;
+  const fs::path folder = state_folder(config);
+  makes ? make_folder(folder) : check_folder(folder);
+  const FileLock lock(folder / "lock");  // two servers may start at the same time
+  if (makes) tidy(config, folder);
+  files.identity = config.certificate.empty() ? own_identity(config, folder, missing)
+                                              : load_identity(config.certificate, config.key);
+  write_fingerprint(folder, files.identity);
+  if (makes && config.tokens.empty() && !fs::exists(token_file(config))) make_tokens(config);
+  return files;
+}
+
 }  // namespace
 
 std::filesystem::path default_state_folder() {
@@ -146,8 +175,7 @@ std::filesystem::path local_token_file(const SecurityOptions& config) {
 void check_security(const SecurityOptions& config) {
   read_authorities(config);
   const fs::path folder = needs_state(config) ? state_folder(config) : fs::path();
-  if (fs::exists(folder))
-    if (const auto open = open_folder(folder)) throw FileError(*open);
+  if (fs::exists(folder)) check_folder(folder);
   if (!config.certificate.empty())
     load_identity(config.certificate, config.key);
   else if (fs::exists(folder / kCertificate))
@@ -156,31 +184,14 @@ void check_security(const SecurityOptions& config) {
     const TokenFile tokens(token_file(config));
 }
 
-Identity read_identity_again(const SecurityOptions& config) {
-  if (!needs_state(config)) return load_identity(config.certificate, config.key);
-  const fs::path folder = state_folder(config);
-  const FileLock lock(folder / "lock");
-  Identity identity = config.certificate.empty()
-                          ? load_identity(folder / kCertificate, folder / kKey)
-                          : load_identity(config.certificate, config.key);
-  write_fingerprint(folder, identity);
-  return identity;
+RenewedFiles read_security_again(const SecurityOptions& config) {
+  return read_files(config, Missing::refused);
 }
 
 Security open_security(const SecurityOptions& config) {
-  const std::string authorities = read_authorities(config);
-  if (!needs_state(config))
-    return {load_identity(config.certificate, config.key), authorities, TokenFile(config.tokens)};
-
-  const fs::path folder = state_folder(config);
-  make_folder(folder);
-  const FileLock lock(folder / "lock");  // two servers may start at the same time
-  tidy(config, folder);
-  Identity identity = config.certificate.empty() ? own_identity(config, folder)
-                                                 : load_identity(config.certificate, config.key);
-  write_fingerprint(folder, identity);
-  if (config.tokens.empty() && !fs::exists(token_file(config))) make_tokens(config);
-  return {std::move(identity), authorities, TokenFile(token_file(config))};
+  RenewedFiles files = read_files(config, Missing::made);
+  return {std::move(files.identity), std::move(files.client_authorities),
+          TokenFile(token_file(config))};
 }
 
 }  // namespace feltwire

@@ -33,9 +33,15 @@ void make_state_folder(const SecurityOptions& config);
 /// that is wrong.
 void check_security(const SecurityOptions& config);
 
-/// Reads the certificate and its key again, which open_security() read or made, and writes the
-/// fingerprint of a new certificate. Throws FileError.
-Identity read_identity_again(const SecurityOptions& config);
+/// The files of a server that a renewal reads again.
+struct RenewedFiles {
+  Identity identity;
+  std::string client_authorities;  // as in Security
+};
+
+/// Reads the files again that open_security() read or made, except the tokens, after the same
+/// checks, and writes the fingerprint of a new certificate. Creates nothing else. Throws FileError.
+RenewedFiles read_security_again(const SecurityOptions& config);
 
 /// Reads the configured files. Other files are in the state folder, and missing ones are created: a
 /// certificate, and tokens with one for this machine's user in local.token. The certificate's

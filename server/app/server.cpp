@@ -142,7 +142,7 @@ struct Server::Parts {
   std::unique_ptr<web::WebServer> web;         // null: there is no live page
   std::unique_ptr<web::WebServer> metrics;     // null: there is no port for the counters alone
   const SecurityOptions security_files;
-  std::string certificate;  // in use
+  std::string certificate, client_authorities;  // in use, PEM
   asio::steady_timer look{io};
   bool looking = false;                            // true: the timer `look` runs
   const std::vector<std::filesystem::path> files;  // scene files; empty: the caller passed scenes
@@ -159,6 +159,7 @@ struct Server::Parts {
                  .write_flight = flight_writer(config)}),
         security_files(config),
         certificate(security.identity.certificate),
+        client_authorities(security.client_authorities),
         files(config.scenes),
         loader(scenes.size(), std::move(load)) {
     check_scene_names(scenes);
@@ -226,13 +227,20 @@ struct Server::Parts {
                                                security.identity);
   }
 
-  /// Changes the certificate of new connections.
+  /// Changes the certificate of new connections, and the authorities of their clients.
   void renew_certificate() {
-    const Identity identity = read_identity_again(security_files);
-    if (std::exchange(certificate, identity.certificate) == identity.certificate) return;
+    const RenewedFiles renewed = read_security_again(security_files);
+    const Identity& identity = renewed.identity;
+    const bool has_others =
+        std::exchange(client_authorities, renewed.client_authorities) != renewed.client_authorities;
+    const bool is_new = std::exchange(certificate, identity.certificate) != identity.certificate;
+    if (has_others) spdlog::info("the authorities of the clients are renewed");
+    if (has_others || is_new)
+      asio::post(io,
+                 [this, renewed] { control->renew(renewed.identity, renewed.client_authorities); });
+    if (!is_new) return;
     const Fingerprint print = feltwire::fingerprint(identity);
     spdlog::info("the certificate is renewed; its fingerprint is {}", to_string(print));
-    asio::post(io, [this, identity] { control->renew(identity); });
     if (page_hands != nullptr) page_hands->trust(print);
     if (web != nullptr) web->renew(identity);
     if (metrics != nullptr) metrics->renew(identity);

@@ -259,7 +259,6 @@ ControlEndpoint::ControlEndpoint(asio::io_context& io, const ControlOptions& opt
                                  ControlHandler handler)
     : io_(io),
       options_(options),
-      client_authorities_(client_authorities),
       tls_(server_context(identity, client_authorities)),
       handler_(std::move(handler)),
       acceptor_(io),
@@ -280,8 +279,8 @@ ControlEndpoint::~ControlEndpoint() = default;
 
 void ControlEndpoint::start() { accept(); }
 
-void ControlEndpoint::renew(const Identity& identity) {
-  tls_ = server_context(identity, client_authorities_);
+void ControlEndpoint::renew(const Identity& identity, const std::string& client_authorities) {
+  tls_ = server_context(identity, client_authorities);
 }
 
 /// Waits until a connection arrives, and accepts it with take(). Asio's async_accept() would call

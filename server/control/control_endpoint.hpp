@@ -71,8 +71,9 @@ class ControlEndpoint {
   /// Begins to accept.
   void start();
 
-  /// New connections get this certificate. On the thread of `io`.
-  void renew(const Identity& identity);
+  /// New connections get this certificate, and need one of these authorities. On the thread of
+  /// `io`.
+  void renew(const Identity& identity, const std::string& client_authorities);
 
   /// Accepts again after an exception of an accepting handler; does nothing where it accepts
   /// already. On the thread of `io`.
@@ -98,7 +99,6 @@ class ControlEndpoint {
 
   asio::io_context& io_;
   ControlOptions options_;
-  const std::string client_authorities_;  // PEM; empty: clients need no certificate
   asio::ssl::context tls_;
   ControlHandler handler_;
   asio::ip::tcp::acceptor acceptor_;

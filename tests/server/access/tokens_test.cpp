@@ -255,6 +255,35 @@ TEST(State, IsMadeOnceAndForItsOwnerAlone) {
   EXPECT_EQ(status.st_mode & 0777u, 0700u);
 }
 
+TEST(State, IsCheckedAtARenewalAsAtTheStart) {
+  const TemporaryFolder folder;
+  ServerConfig config;
+  config.state = folder / "state";
+  config.client_ca = folder / "ca.pem";
+  replace_file(config.client_ca, make_identity({"one"}).certificate, kPublic);
+  const Security first = open_security(config);
+  EXPECT_EQ(read_security_again(config).client_authorities, first.client_authorities);
+  const std::string others = make_identity({"two"}).certificate;
+  replace_file(config.client_ca, others, kPublic);
+  EXPECT_EQ(read_security_again(config).client_authorities, others);
+  EXPECT_EQ(read_security_again(config).identity.certificate, first.identity.certificate);
+
+  const auto expect_refused = [&](const std::string& reason) {
+    const std::string again = error_of<FileError>([&] { read_security_again(config); });
+    EXPECT_THAT(again, HasSubstr(reason));
+    EXPECT_EQ(again, error_of<FileError>([&] { open_security(config); })) << "as at the start";
+  };
+  replace_file(config.client_ca, "nonsense", kPublic);
+  expect_refused("holds no authority's certificate");
+  replace_file(config.client_ca, others, kPublic);
+  std::filesystem::permissions(config.state, std::filesystem::perms::all);
+  expect_refused("state");
+  std::filesystem::permissions(config.state, std::filesystem::perms::owner_all);
+  std::filesystem::remove(config.state / "certificate.pem");
+  expect_refused("certificate.pem");
+  EXPECT_FALSE(std::filesystem::exists(config.state / "certificate.pem"));
+}
+
 TEST(State, IsNotNeededWhereAllIsNamed) {
   const TemporaryFolder folder, elsewhere;
   const Identity identity = make_identity({"localhost"});
@@ -276,7 +305,7 @@ TEST(State, IsNotNeededWhereAllIsNamed) {
                kPublic);
   EXPECT_THAT(error_of<FileError>([&] { open_security(config); }),
               HasSubstr(config.certificate.string() + ": TLS refuses it"));
-  EXPECT_THROW(read_identity_again(config), FileError);
+  EXPECT_THROW(read_security_again(config), FileError);
   replace_file(config.certificate, identity.certificate, kPublic);
 
   replace_file(config.key, identity.key.text(), kPublic);

@@ -163,6 +163,9 @@ TEST(Reload, TheProgramDoesItAtSighup) {
   std::ofstream(file) << "{";
   program.signal(SIGHUP);
   EXPECT_THAT(program.error_until("stays as it was"), HasSubstr("room.json:1"));
+  std::filesystem::permissions(folder / "state", std::filesystem::perms::all);
+  program.signal(SIGHUP);
+  EXPECT_THAT(program.error_until("the certificate stays as it was"), HasSubstr("chmod"));
   program.signal(SIGTERM);
   const test::Outcome outcome = program.finish();
   EXPECT_EQ(outcome.status, 0);
