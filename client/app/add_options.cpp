@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "client/app/device_settings.hpp"
 #include "client/emulated_link/link_options.hpp"
 #include "core/base/enum_names.hpp"
 #include "core/device/spec_text.hpp"
@@ -47,7 +48,11 @@ void add_run_options(CLI::App& app, OptionValues& values, ClientOptions& options
                  "operator, pointer (a small hand) or observer (watches, without force and "
                  "movement). The token must allow the role")
       ->capture_default_str();
-  app.add_option("--device", values.device, "KIND or KIND:NAME. " + driver_choices())
+  app.add_option(
+         "--device", values.device,
+         "KIND or KIND:NAME, and settings: KIND:KEY=VALUE,... or KIND:NAME,KEY=VALUE,... (see "
+         "below). " +
+             driver_choices())
       ->capture_default_str();
   app.add_option(
       "--firmware", values.firmware,
@@ -58,15 +63,6 @@ void add_run_options(CLI::App& app, OptionValues& values, ClientOptions& options
       "recorded hand holds the enabling switch from this time on. At least 0.2");
   app.add_option("--robot", options.robot,
                  "Name of the seat of the robot to lead. Default: the scene's first seat");
-  app.add_option("--robot-button", options.servo.seat_button,
-                 "Button of the device that selects the next robot, counted from 1. It works while "
-                 "the enabling switch is released");
-  app.add_option("--deadman-button", values.deadman_button,
-                 "Button of the device that is the enabling switch, counted from 1. 0: none. "
-                 "Default: the driver's choice (docs/devices.md)");
-  app.add_option("--clutch-button", values.clutch_button,
-                 "Button of the device that is the clutch, counted from 1. The tool does not move "
-                 "while the button is held. 0: none. Default: the driver's choice");
   app.add_option("--trust-robot", values.trust,
                  "J,W Energy per contact [J], and power over time [W], that the client accepts "
                  "from your own robot (docs/teleoperation.md). Default: none")
@@ -93,7 +89,8 @@ void add_run_options(CLI::App& app, OptionValues& values, ClientOptions& options
   app.add_option("--link", values.link,
                  "Emulate a network: a profile such as wifi, or numbers such as "
                  "delay=25,jitter=5,loss=10 (see below)");
-  app.footer(link_help() +
+  app.footer("\nSettings of --device (docs/devices.md):" + device_settings_help() + "\n" +
+             link_help() +
              "\nCommands, each with its own --help:\n"
              "  admin      show and change the state of a running server (docs/admin.md)\n"
              "  devices    list the connected devices and their problems (docs/devices.md)\n"
@@ -104,7 +101,6 @@ void add_run_options(CLI::App& app, OptionValues& values, ClientOptions& options
          "none: no change. safe: the emulated link, and bounding methods that are passive by "
          "themselves. any: the link and every method, for a device that nobody holds")
       ->capture_default_str();
-  app.add_flag("--fixed", values.fixed, "Same as --changes none");
   app.add_option("--dscp", values.dscp,
                  "DSCP mark of the client's datagrams: cs0 to cs7, af11 to af43, ef, va or 0 to 63")
       ->capture_default_str();
@@ -296,14 +292,6 @@ void add_safety_options(CLI::App& app, OptionValues& values, ClientOptions& opti
          "under force. At least two servo periods, at most --hold-time. Default: five servo "
          "periods; 20 without real-time scheduling; --hold-time for a device that nobody holds")
       ->group(safety);
-  app.add_option("--tool-weight", values.tool_weight,
-                 "Weight of a tool at the handle, 0.05kg or 0.5N. A constant force along the "
-                 "device's z axis carries it (docs/devices.md)")
-      ->group(safety);
-  app.add_option("--emergency-button", values.emergency_button,
-                 "Button of the device that removes all force at once, counted from 1. The space "
-                 "bar in the terminal does the same. The key r restores the force")
-      ->group(safety);
   app.add_option(
          "--await-still", values.await_still,
          "[s] The force starts after the hand was still for this time, or when the enabling switch "
@@ -319,101 +307,13 @@ void add_safety_options(CLI::App& app, OptionValues& values, ClientOptions& opti
       ->group(safety);
 }
 
-void add_hand_options(CLI::App& app, OptionValues& values, HandTask& task) {
-  const auto hand = "Simulated hand";
-  app.add_option("--press-button", values.press,
-                 "[s] Time at which the hand presses button 1 for 0.1 s. The hand releases the "
-                 "enabling switch from 0.5 s before until 0.5 s after")
-      ->group(hand);
-  app.add_option("--path", values.path, "Movement of the hand: " + joined_names(kHandPathNames))
-      ->capture_default_str()
-      ->group(hand);
-  app.add_option(
-         "--wrist", values.wrist,
-         "Rotation of the hand, if --spec senses rotation: " + joined_names(kWristPathNames))
-      ->capture_default_str()
-      ->group(hand);
-  app.add_option("--wrist-angle", values.wrist_angle, "[rad] Amplitude of the rotation")
-      ->capture_default_str()
-      ->group(hand);
-  app.add_option("--center", values.center,
-                 "X,Y,Z [m] Point on the surface. For orbit: centre of the circle. Default: from "
-                 "the scene, else 0,0,0")
-      ->delimiter(',')
-      ->group(hand);
-  app.add_option(
-         "--normal", values.normal,
-         "X,Y,Z Outward normal of the surface at this point. Default: from the scene, else 0,0,1")
-      ->delimiter(',')
-      ->group(hand);
-  app.add_option("--radius", task.radius, "[m] Amplitude of the movement along the surface")
-      ->capture_default_str()
-      ->group(hand);
-  app.add_option("--frequency", task.frequency, "[Hz] Frequency of the movement")
-      ->capture_default_str()
-      ->group(hand);
-  app.add_option("--depth", task.depth, "[m] Intended depth of the hand below the surface")
-      ->capture_default_str()
-      ->group(hand);
-  app.add_option("--lead-in", task.lead_in, "[s] Time until the hand reaches its depth")
-      ->capture_default_str()
-      ->group(hand);
-  app.add_option("--tremor", task.tremor,
-                 "[m] RMS amplitude of the hand's tremor on each axis. The tremor has 8 to 12 Hz")
-      ->capture_default_str()
-      ->group(hand);
-  app.add_option("--seed", task.seed, "Seed of the tremor's random numbers")
-      ->capture_default_str()
-      ->group(hand);
-}
-
-void add_mapping_options(CLI::App& app, OptionValues& values) {
-  const auto mapping = "Workspace of the device in the scene (docs/devices.md)";
-  app.add_option("--map-scale", values.map_scale,
-                 "Displacement of the tool divided by displacement of the hand, 0.01 to 100. The "
-                 "scene's force is multiplied by the same factor")
-      ->capture_default_str()
-      ->group(mapping);
-  app.add_option("--map-rotate", values.map_rotate,
-                 "X,Y,Z [deg] Rotate the device's axes by this rotation vector. 0,0,90 maps the "
-                 "device's x axis to the scene's y axis")
-      ->delimiter(',')
-      ->group(mapping);
-  app.add_option("--map-translate", values.map_translate,
-                 "X,Y,Z [m] Position in the scene of the centre of the device's workspace")
-      ->delimiter(',')
-      ->group(mapping);
-  app.add_option("--map-mirror", values.map_mirror, "Axis of the device to reverse: x, y or z")
-      ->group(mapping);
-}
-
-void add_steering_options(CLI::App& app, ClientOptions& options) {
-  const auto steering = "Gamepad and 3D mouse";
-  SteeringOptions& steered = options.device.steering;
-  app.add_option("--steer-speed", steered.speed, "[m/s] Speed of the tool at full deflection")
-      ->capture_default_str()
-      ->group(steering);
-  app.add_option("--steer-turn", steered.turn,
-                 "[rad/s] Angular speed of the tool at full deflection")
-      ->capture_default_str()
-      ->group(steering);
-  app.add_option("--dead-zone", steered.dead_zone,
-                 "Share of an axis's range that counts as rest, 0 to 0.5. A larger dead zone of "
-                 "the kernel takes precedence")
-      ->capture_default_str()
-      ->group(steering);
-}
-
 }  // namespace
 
-void add_options(CLI::App& app, OptionValues& values, HandTask& task, ClientOptions& options) {
+void add_options(CLI::App& app, OptionValues& values, ClientOptions& options) {
   add_run_options(app, values, options);
   add_session_options(app, values, options);
   add_traffic_options(app, values, options);
   add_safety_options(app, values, options);
-  add_hand_options(app, values, task);
-  add_mapping_options(app, values);
-  add_steering_options(app, options);
 }
 
 }  // namespace feltwire

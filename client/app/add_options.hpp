@@ -10,8 +10,7 @@ class App;
 
 namespace feltwire {
 
-/// Adds every option but --help and --version. `values`, `task` (of the simulated hand) and
-/// `options` outlive `app`.
-void add_options(CLI::App& app, OptionValues& values, HandTask& task, ClientOptions& options);
+/// Adds every option but --help and --version. `values` and `options` outlive `app`.
+void add_options(CLI::App& app, OptionValues& values, ClientOptions& options);
 
 }  // namespace feltwire

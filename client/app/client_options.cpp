@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "client/app/add_options.hpp"
+#include "client/app/device_settings.hpp"
 #include "client/app/option_values.hpp"
 #include "client/app/rival_options.hpp"
 #include "core/base/file_error.hpp"
@@ -36,7 +37,9 @@ ShortHelp short_help() {
            {"role", "operator, pointer (a small hand) or observer (watches only)"},
            {"device",
             "simulated, replay:FILE.csv, haply, forcedimension, openhaptics,\n"
-            "falcon, hapi:PORT, gamepad, spacemouse, plugin:FILE.so"},
+            "falcon, hapi:PORT, gamepad, spacemouse, plugin:FILE.so, and their\n"
+            "settings: simulated:path=slide,depth=0.01,center=0,0,0\n"
+            "(path: press, slide, orbit, figure-eight or taps)"},
            {"spec", "Specification of the device: a built-in name or FILE.json"},
            {"list-specs", "Print the built-in specifications and exit"},
            {"duration", "[s] Length of the run. 0: run until it is stopped"},
@@ -49,12 +52,9 @@ ShortHelp short_help() {
            {"mode", "Bounding method (docs/bounding.md)"},
            {"rate", "[Hz] Rate of the servo loop, unless the device sets the rate"},
            {"max-force", "[N] Largest force on the hand"},
-           {"lead", "[s] Lead the robot from this time on (docs/teleoperation.md)"},
-           {"path", "Movement of the simulated hand: press|slide|orbit|figure-eight|taps"},
-           {"center", "X,Y,Z [m] Centre of the simulated movement, on the surface"},
-           {"depth", "[m] Intended depth of the simulated hand below the surface"}},
+           {"lead", "[s] Lead the robot from this time on (docs/teleoperation.md)"}},
           R"(
-All options, and the syntax of --link: feltwire-client --help-all, docs/devices.md.
+All options, and the syntax of --device and --link: feltwire-client --help-all, docs/devices.md.
 Commands, each with its own --help:
   admin      show and change the state of a running server (docs/admin.md)
   devices    list the connected devices and their problems (docs/devices.md)
@@ -62,7 +62,31 @@ Commands, each with its own --help:
 Example, with a server on this machine:
   export FELTWIRE_FINGERPRINT_FILE=~/.local/state/feltwire/fingerprint
   export FELTWIRE_TOKEN_FILE=~/.local/state/feltwire/local.token
-  feltwire-client --connect localhost:6720 --scene room --path taps --duration 5)"};
+  feltwire-client --connect localhost:6720 --scene room --device simulated:path=taps --duration 5)"};
+}
+
+/// The value of --device with its files in this folder.
+std::string device_in_folder(const std::string& value, const std::filesystem::path& folder) {
+  const DeviceText given = split_device(value);
+  const DriverChoice chosen = chosen_driver(given.device);
+  std::vector<std::string> files;
+  if (chosen.driver->file != nullptr && !chosen.name.empty())
+    files.push_back(chosen.driver->file(chosen.name));
+  constexpr std::string_view kPlant = "plant=";
+  for (const std::string& setting : given.settings)
+    if (setting.starts_with(kPlant)) files.push_back(setting.substr(kPlant.size()));
+  std::string text = value;
+  for (const std::string& file : files)
+    if (const std::size_t at = text.find(file); !file.empty() && at != std::string::npos)
+      text.replace(at, file.size(), (folder / file).string());
+  return text;
+}
+
+/// The options of earlier versions that have another spelling now.
+Renamed renamed_options() {
+  Renamed renamed = renamed_device_options();
+  renamed.push_back({"fixed", "--changes none"});
+  return renamed;
 }
 
 /// The files of a configuration file lie in its folder, also those in --spec and --device.
@@ -72,14 +96,7 @@ std::string file_value(std::string_view option, const std::string& value,
       "ca",  "certificate", "fingerprint-file", "firmware",   "flight-recorder",
       "key", "record",      "report",           "token-file", "view"};
   if (option == "spec") return value.ends_with(".json") ? (folder / value).string() : value;
-  if (option == "device") {
-    const DriverChoice chosen = chosen_driver(value);
-    if (chosen.driver->file == nullptr || chosen.name.empty()) return value;
-    const std::string file = chosen.driver->file(chosen.name);
-    const std::size_t at = value.find(file);
-    if (file.empty() || at == std::string::npos) return value;
-    return value.substr(0, at) + (folder / file).string() + value.substr(at + file.size());
-  }
+  if (option == "device") return device_in_folder(value, folder);
   const bool named = std::ranges::count(kFiles, option) > 0;
   const bool off = option == "flight-recorder" && value == "off";
   return named && !off ? (folder / value).string() : value;
@@ -104,11 +121,13 @@ std::variant<ClientOptions, int> parse(int argc, const char* const* argv, std::s
   app.set_version_flag(
       "--version", [] { return build_info("feltwire-client"); },
       "Print version, commit, compiler and build type, and exit");
-  add_options(app, values, task, options);
+  add_options(app, values, options);
 
   const std::vector<std::string> ending = {"list", "list-specs", "check"};
-  const Variables variables{
-      .program = "client", .shared = credential_variables(), .ending = ending};
+  const Variables variables{.program = "client",
+                            .shared = credential_variables(),
+                            .ending = ending,
+                            .renamed = renamed_options()};
   const bool reads_environment = error_text == nullptr;
   const auto refuse = [error_text](const std::string& text) {
     if (error_text != nullptr)
@@ -119,11 +138,13 @@ std::variant<ClientOptions, int> parse(int argc, const char* const* argv, std::s
   };
   ConfigFile config;
   try {
+    check_words(app, argc, argv, variables.renamed);
     if (reads_environment) read_environment(app, argc, argv, variables, client_rivals());
     if (const auto file = given_value(app, argc, argv, "config", reads_environment)) {
       std::vector<std::string> command_line = ending;
       command_line.emplace_back("config");
-      config = read_config(app, read_text(*file), *file, command_line, file_value);
+      config =
+          read_config(app, read_text(*file), *file, command_line, file_value, variables.renamed);
       // The token of the environment has no option that would override the file.
       if (const char* const token = std::getenv("FELTWIRE_TOKEN");
           reads_environment && token != nullptr && *token != '\0')
@@ -137,6 +158,7 @@ std::variant<ClientOptions, int> parse(int argc, const char* const* argv, std::s
       apply_profile(network_profile(values.profile), values, parameters);
       parse_words(app, words);
     }
+    read_device_settings(values, task, options);
     to_client_options(values, task, options);
   } catch (const CLI::ParseError& error) {
     if (error_text == nullptr && (error.get_exit_code() == 0 || config.entries.empty()))

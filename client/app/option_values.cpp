@@ -44,8 +44,6 @@ void choose_safety(const OptionValues& values, ClientOptions& options) {
 /// that are safe for the hand are possible. Throws std::invalid_argument.
 ChangesTaken changes(const OptionValues& values, const ClientOptions& options) {
   const auto laws = enum_from_name<LawsTaken>("--changes", values.changes, kLawsTakenNames);
-  require(!values.fixed || laws == LawsTaken::none,
-          "--fixed is --changes none; leave out one of them");
   require(laws != LawsTaken::any || !options.driver->held_by_person,
           "--changes any is for --device simulated and replay, which no person holds; give "
           "--changes safe");
@@ -186,7 +184,7 @@ void choose_device(const OptionValues& values, HandTask task, ClientOptions& opt
   if (values.center) task.center = vector(*values.center);
   if (values.normal) set_normal(task, vector(*values.normal));
   require(std::abs(values.wrist_angle) < std::numbers::pi,
-          "--wrist-angle must be less than pi [rad]");
+          "wrist_angle of --device must be less than pi [rad]");
   const WristTask wrist = {options.check ? WristPath::still : wrist_path(values.wrist),
                            values.wrist_angle};
   options.device_kind = values.device;
@@ -204,7 +202,7 @@ void choose_device(const OptionValues& values, HandTask task, ClientOptions& opt
   options.device.firmware = firmware_for(*chosen.driver, values.firmware);
   require(!values.press || (chosen.driver->kind == "simulated" && *values.press >= 0.0 &&
                             std::isfinite(*values.press)),
-          "--press-button is a time of 0 or more [s], for --device simulated");
+          "press_button of --device simulated is a time of 0 or more [s]");
   validate(options.device.steering);
   if (values.damping) options.device.spec.damping = damping(*values.damping);
   // Check the specification before the device opens, so that its errors are reported first.
@@ -221,7 +219,7 @@ double weight(const std::string& values) {
   const auto parsed = std::from_chars(values.data(), end, number);
   require((mass || force) && parsed.ec == std::errc() && parsed.ptr == end && number > 0.0 &&
               std::isfinite(number),
-          "--tool-weight must be a number above 0 and its unit: 0.05kg, or 0.5N");
+          "tool_weight of --device must be a number above 0 and its unit: 0.05kg, or 0.5N");
   return mass ? kGravity * number : number;
 }
 
@@ -240,23 +238,23 @@ void choose_buttons(const OptionValues& values, int robot_button, const Driver& 
                     ProtectionOptions& options) {
   options.deadman_button = values.deadman_button;
   options.clutch_button = values.clutch_button;
-  for (const auto& [option, chosen] : {std::pair("--deadman-button", values.deadman_button),
-                                       std::pair("--clutch-button", values.clutch_button)}) {
+  for (const auto& [option, chosen] : {std::pair("deadman_button", values.deadman_button),
+                                       std::pair("clutch_button", values.clutch_button)}) {
     if (!chosen) continue;
     require_button(option, *chosen, driver, "leave it out");
-    for (const auto& [other, button] : {std::pair("--emergency-button", values.emergency_button),
-                                        std::pair("--robot-button", robot_button)})
+    for (const auto& [other, button] : {std::pair("emergency_button", values.emergency_button),
+                                        std::pair("robot_button", robot_button)})
       if (button != 0 && button == *chosen)
         throw std::invalid_argument(std::string(option) + " and " + other +
-                                    " are the same button; give each its own");
+                                    " of --device are the same button; give each its own");
   }
   const int deadman = values.deadman_button.value_or(driver.deadman_button);
   const bool both = deadman != 0 && deadman == values.clutch_button.value_or(driver.clutch_button);
   if (both && (values.deadman_button || values.clutch_button))
-    throw std::invalid_argument(
-        "button " + std::to_string(deadman) + " of --device " + std::string(driver.kind) +
-        " would be the enabling switch and the clutch; give "
-        "--deadman-button and --clutch-button, each its own, or 0 for none");
+    throw std::invalid_argument("button " + std::to_string(deadman) + " of --device " +
+                                std::string(driver.kind) +
+                                " would be the enabling switch and the clutch; give "
+                                "deadman_button and clutch_button, each its own, or 0 for none");
 }
 
 /// Returns the tool weight, emergency button and still time. Throws std::invalid_argument.
@@ -268,8 +266,8 @@ ProtectionOptions protection(const OptionValues& values, const Driver& driver) {
   options.still =
       values.await_still.value_or(driver.held_by_person && driver.gives_force ? kUsualStill : 0.0);
   require(options.tool_weight == 0.0 || driver.gives_force,
-          "--tool-weight needs a device that gives force; leave it out");
-  require_button("--emergency-button", options.emergency_button, driver, "use the space bar");
+          "tool_weight of --device needs a device that gives force; leave it out");
+  require_button("emergency_button", options.emergency_button, driver, "use the space bar");
   return options;
 }
 
@@ -315,7 +313,7 @@ void choose_lead(const OptionValues& values, ClientOptions& options) {
   require(values.lead || !values.trust, "--trust-robot is for a hand with --lead; add --lead");
   require(values.lead || options.robot.empty(), "--robot is for a hand with --lead; add --lead");
   require(values.lead || options.servo.seat_button == 0,
-          "--robot-button is for a hand with --lead; add --lead");
+          "robot_button of --device is for a hand with --lead; add --lead");
   if (!values.lead) return;
   check_name("--robot", options.robot);
   // [s] The server must first see the switch released for this time.
@@ -387,7 +385,7 @@ void to_client_options(const OptionValues& values, HandTask task, ClientOptions&
   choose_device(values, task, options);
   options.mapping = mapping(values);
   options.protection = protection(values, *options.driver);
-  require_button("--robot-button", options.servo.seat_button, *options.driver, "leave it out");
+  require_button("robot_button", options.servo.seat_button, *options.driver, "leave it out");
   choose_buttons(values, options.servo.seat_button, *options.driver, options.protection);
   if (!values.report.empty()) options.report = values.report;
   if (!values.record.empty()) options.record = values.record;

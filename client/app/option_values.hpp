@@ -26,7 +26,6 @@ struct OptionValues {
   std::optional<bool> local_model;
   bool whole_surfaces = true;
   bool rehearses = true;
-  bool fixed = false;
   std::string changes = "none";
   double rate = 1000.0;
   std::optional<double> hold_time;    // [s]
@@ -39,6 +38,7 @@ struct OptionValues {
   std::optional<std::array<double, 3>> map_rotate, map_translate;  // [deg], [m]
   std::string map_mirror;
   std::string firmware;
+  std::string plant;        // file of the simulated device
   std::string tool_weight;  // with its unit
   int emergency_button = 0;
   std::optional<int> deadman_button, clutch_button;

@@ -74,15 +74,9 @@ bool admits_limits(Value mode) {
 Rivals of_devices() {
   Rivals rivals = {
       {"device", "firmware", [](Value d) { return driver_of(d) && !driver_of(d)->takes_firmware; }},
-      {"device", "press-button", [](Value d) { return driver_of(d) && d != "simulated"; }},
-      {"device", "tool-weight", [](Value d) { return driver_of(d) && !driver_of(d)->gives_force; }},
       // A check uses its own simulated hand, so these options do not apply.
       {"check", "device"},
-      {"check", "firmware"},
-      {"check", "tool-weight"},
-      {"check", "emergency-button"},
-      {"check", "deadman-button"},
-      {"check", "clutch-button"}};
+      {"check", "firmware"}};
   return rivals;
 }
 
@@ -119,7 +113,7 @@ Rivals of_roles() {
                    {"lead", "local-model", {}, says_yes},
                    {"role", "view", is_not("observer")}};
   // These options need a hand that leads a robot, with the local model at the client.
-  for (const char* option : {"lead", "robot", "trust-robot", "robot-button"}) {
+  for (const char* option : {"lead", "robot", "trust-robot"}) {
     rivals.push_back({"role", option, is("observer")});
     rivals.push_back({"local-model", option, says_no});
     rivals.push_back({"bounding", option, is("server")});
@@ -134,9 +128,7 @@ Rivals of_changes() {
   const auto held = [](Value device) {
     return driver_of(device) && driver_of(device)->held_by_person;
   };
-  Rivals rivals = {{"fixed", "changes", {}, is("none")},
-                   {"changes", "fixed", is_not("none"), says_no},
-                   {"device", "changes", held, is_not("any")}};
+  Rivals rivals = {{"device", "changes", held, is_not("any")}};
   return rivals;
 }
 

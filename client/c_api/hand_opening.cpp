@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cstring>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include "client/app/open_client.hpp"
@@ -43,7 +43,11 @@ std::vector<std::string> command_line(const HandRequest& request, bool caller) {
   };
   add("--name", request.name);
   // A person may hold what the program moves: the limits are those of a plugin.
-  add("--device", caller ? "plugin:caller" : request.device);
+  constexpr std::string_view kCaller = "caller:";
+  const std::string_view named(request.device == nullptr ? "" : request.device);
+  const std::string settings(named.starts_with(kCaller) ? named.substr(kCaller.size()) : "");
+  const std::string own = "plugin:caller" + (settings.empty() ? "" : "," + settings);
+  add("--device", caller ? own.c_str() : request.device);
   add("--spec", request.spec);
   add("--duration", number(request.duration).c_str());
   if (request.more_count > 0 && request.more == nullptr)
@@ -87,7 +91,8 @@ std::unique_ptr<CallerDevice> caller_device(const HandRequest& request, ClientOp
 }  // namespace
 
 std::unique_ptr<OpenHand> open_hand(const HandRequest& request, const SimulatorScene* simulator) {
-  const bool is_caller = request.device != nullptr && std::strcmp(request.device, "caller") == 0;
+  const std::string_view asked(request.device == nullptr ? "" : request.device);
+  const bool is_caller = asked == "caller" || asked.starts_with("caller:");
   const std::vector<std::string> words = command_line(request, is_caller);
   if (simulator != nullptr) require_no_server(request, words);
   ClientOptions options = options_of(words, simulator == nullptr);

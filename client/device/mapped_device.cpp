@@ -47,16 +47,18 @@ Mat3 WorkspaceMapping::axes() const {
 }
 
 void validate(const WorkspaceMapping& mapping) {
-  require_of_mapping(mapping.scale >= kSmallestScale && mapping.scale <= kLargestScale,
-                     "--map-scale must be from 0.01 to 100; 2 moves the tool twice as far as the "
-                     "hand");
-  require_of_mapping(mapping.rotation.norm() <= 2.0 * std::numbers::pi,
-                     "--map-rotate: the vector's length is the angle, at most 360 degrees");
+  require_of_mapping(
+      mapping.scale >= kSmallestScale && mapping.scale <= kLargestScale,
+      "map_scale of --device must be from 0.01 to 100; 2 moves the tool twice as far as the "
+      "hand");
+  require_of_mapping(
+      mapping.rotation.norm() <= 2.0 * std::numbers::pi,
+      "map_rotate of --device: the vector's length is the angle, at most 360 degrees");
   require_of_mapping(mapping.translation.cwiseAbs().maxCoeff() <= kFarthest,
-                     "--map-translate must be within 100 m along each axis");
+                     "map_translate of --device must be within 100 m along each axis");
   require_of_mapping(
       !mapping.mirrored_axis || (*mapping.mirrored_axis >= 0 && *mapping.mirrored_axis < 3),
-      "--map-mirror must be x, y or z");
+      "map_mirror of --device must be x, y or z");
 }
 
 DeviceSpec mapped_spec(const DeviceSpec& device, const WorkspaceMapping& mapping) {
@@ -79,7 +81,7 @@ DeviceSpec mapped_spec(const DeviceSpec& device, const WorkspaceMapping& mapping
     validate(spec);
   } catch (const DeviceSpecError& error) {
     std::ostringstream message;
-    message << "--map-scale " << s << " does not suit device '" << device.name
+    message << "map_scale of --device " << s << " does not suit device '" << device.name
             << "': " << error.field << ": " << error.why << ". Give a scale nearer to 1";
     throw std::invalid_argument(message.str());
   }

@@ -24,7 +24,7 @@ constexpr double kMostOfForce = 0.8;
 /// Throws std::invalid_argument unless the button number is valid. Zero means no button.
 void require_number(const char* option, int button) {
   if (button < 0 || button > kMostButtons)
-    throw std::invalid_argument(std::string(option) + " must be from 1 to 32");
+    throw std::invalid_argument(std::string(option) + " of --device must be from 1 to 32");
 }
 
 /// Returns whether the button is pressed. Buttons count from 1, and 0 means no button.
@@ -37,9 +37,9 @@ bool is_pressed(std::uint32_t buttons, int button) noexcept {
 DeviceSpec protected_spec(const DeviceSpec& device, const ProtectionOptions& options) {
   if (!(options.still >= 0.0) || !std::isfinite(options.still))
     throw std::invalid_argument("--await-still must be 0 or above [s]");
-  require_number("--emergency-button", options.emergency_button);
-  require_number("--deadman-button", options.deadman_button.value_or(0));
-  require_number("--clutch-button", options.clutch_button.value_or(0));
+  require_number("emergency_button", options.emergency_button);
+  require_number("deadman_button", options.deadman_button.value_or(0));
+  require_number("clutch_button", options.clutch_button.value_or(0));
   DeviceSpec spec = device;
   const double weight = options.tool_weight;
   if (weight == 0.0) return spec;
@@ -52,7 +52,7 @@ DeviceSpec protected_spec(const DeviceSpec& device, const ProtectionOptions& opt
   else if (weight > most)
     why << weight << " N is more than 80 % of the " << most / kMostOfForce << " N that device '"
         << device.name << "' gives for long; take a lighter tool";
-  if (!why.str().empty()) throw std::invalid_argument("--tool-weight: " + why.str());
+  if (!why.str().empty()) throw std::invalid_argument("tool_weight of --device: " + why.str());
   spec.max_force -= weight;
   spec.continuous_force -= weight;
   spec.hand_force += weight;

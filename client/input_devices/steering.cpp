@@ -28,11 +28,11 @@ void require_of_steering(bool good, const char* message) {
 
 void validate(const SteeringOptions& options) {
   require_of_steering(options.speed > 0.0 && options.speed <= 1.0,
-                      "--steer-speed must be above 0 and at most 1 m/s; 0.1 is usual");
+                      "steer_speed of --device must be above 0 and at most 1 m/s; 0.1 is usual");
   require_of_steering(options.turn > 0.0 && options.turn <= 10.0,
-                      "--steer-turn must be above 0 and at most 10 rad/s; 0.8 is usual");
+                      "steer_turn of --device must be above 0 and at most 10 rad/s; 0.8 is usual");
   require_of_steering(options.dead_zone >= 0.0 && options.dead_zone <= 0.5,
-                      "--dead-zone must be from 0 to 0.5 of an axis; 0.1 is usual");
+                      "dead_zone of --device must be from 0 to 0.5 of an axis; 0.1 is usual");
 }
 
 InputState::InputState(const EventNode& node, std::string_view kind, const SteeringOptions& options)

@@ -17,7 +17,7 @@ PLANE = pathlib.Path(__file__).resolve().parents[2] / "scenes/plane.json"
 def main() -> None:
     with tempfile.TemporaryDirectory() as folder, feltwire.serve(PLANE) as server:
         file = pathlib.Path(folder) / "hand.mcap"
-        with server.join(path="taps", duration=3, record=file, flight_recorder="off") as hand:
+        with server.join(device="simulated:path=taps", duration=3, record=file, flight_recorder="off") as hand:
             hand.wait()
         recording = feltwire.read(file)
     sample, account = recording["/hand/sample"], recording["/hand/account"]

@@ -58,7 +58,7 @@ class Cloth:
 
 def main(seconds=4.0):
     cloth, rate, most = Cloth(), 100.0, 0.0
-    with feltwire.World(stiffness=5000, start=(0, 0, BALL), path="press", depth=0.02) as world:
+    with feltwire.World(stiffness=5000, start=(0, 0, BALL), device="simulated:path=press,depth=0.02") as world:
         for _ in world.paced(rate, seconds):
             tick = world.latest()
             force, stiffness = cloth.advance(np.array(tick.position), 1.0 / rate)

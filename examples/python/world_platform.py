@@ -21,7 +21,7 @@ def platform(position, time):
 
 
 def main(seconds=4.0):
-    with feltwire.World(stiffness=800, path="press", depth=0.01) as world:
+    with feltwire.World(stiffness=800, device="simulated:path=press,depth=0.01") as world:
         world.run(platform, reach=0.05, rate=100, duration=seconds)
         ticks = world.ticks()
     forces = [tick["force"][2] if hasattr(tick, "dtype") else tick.force[2] for tick in ticks]

@@ -45,7 +45,7 @@ def main(seconds=4.0):
         tissue.advance(position, 1.0 / rate)
         return [feltwire.Patch(point=(position[0], position[1], -tissue.surface(position[0])), normal=(0, 0, 1), stiffness=SKIN)]
 
-    with feltwire.World(stiffness=SKIN, path="press", depth=0.012) as world:
+    with feltwire.World(stiffness=SKIN, device="simulated:path=press,depth=0.012") as world:
         world.run(press, reach=0.02, rate=rate, duration=seconds)
         ticks = world.ticks()
     forces = [tick["force"][2] if hasattr(tick, "dtype") else tick.force[2] for tick in ticks]

@@ -32,8 +32,12 @@ std::string field_of(const CLI::Option& option) {
 class Reader {
  public:
   Reader(const CLI::App& app, std::string file, const std::vector<std::string>& command_line,
-         const FileValue& file_value)
-      : app_(app), file_(std::move(file)), command_line_(command_line), file_value_(file_value) {}
+         const FileValue& file_value, const Renamed& renamed)
+      : app_(app),
+        file_(std::move(file)),
+        command_line_(command_line),
+        file_value_(file_value),
+        renamed_(renamed) {}
 
   ConfigEntry entry(const json::Node& node) const {
     for (const CLI::Option* option : app_.get_options()) {
@@ -50,6 +54,10 @@ class Reader {
     std::string key = node.key;
     std::replace(key.begin(), key.end(), '-', '_');
     const std::string meant = nearest(key, known);
+    std::string option = key;
+    std::replace(option.begin(), option.end(), '_', '-');
+    const auto moved = std::ranges::find(renamed_, option, &RenamedOption::old);
+    if (moved != renamed_.end()) fail(node, "is an old spelling; write " + moved->now);
     fail(node, "is no option of this program" +
                    (meant.empty() ? "; --help-all lists them" : "; did you mean " + meant + "?"));
   }
@@ -138,6 +146,7 @@ class Reader {
   std::string file_;
   const std::vector<std::string>& command_line_;
   const FileValue& file_value_;
+  const Renamed& renamed_;
 };
 
 /// The value of an entry as value_on_command_line() gives it.
@@ -184,13 +193,14 @@ std::string ConfigFile::located(const std::string& message) const {
 
 ConfigFile read_config(const CLI::App& app, std::string_view json,
                        const std::filesystem::path& file,
-                       const std::vector<std::string>& command_line, const FileValue& file_value) {
+                       const std::vector<std::string>& command_line, const FileValue& file_value,
+                       const Renamed& renamed) {
   ConfigFile config{file.string(), {}};
   const json::Node root = json::outline(json, config.path);
   if (root.kind != Kind::object)
     throw FileError(
         json::error_text(config.path, root.line, "", "is no object; write { \"port\": 6720 }"));
-  const Reader reader(app, config.path, command_line, file_value);
+  const Reader reader(app, config.path, command_line, file_value, renamed);
   for (const json::Node& node : root.children) config.entries.push_back(reader.entry(node));
   return config;
 }

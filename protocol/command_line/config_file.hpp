@@ -40,14 +40,15 @@ using FileValue = std::function<std::string(std::string_view option, const std::
                                             const std::filesystem::path& folder)>;
 
 /// Reads a configuration file of `app`, an object in JSON: {"packet_rate": 100, "local_model":
-/// false, "center": [0, 0, 0.1]}. A number may be written as text, as "inf" must be. An option that
+/// false, "damping": [1, 1, 2]}. A number may be written as text, as "inf" must be. An option that
 /// may be repeated (CLI::MultiOptionPolicy::TakeAll) is a list, and in the plural: "scenes".
 /// `command_line`: options that a file cannot set, as those that end the program. `file`: the name
-/// of the file. Call it after all options were added. Throws FileError "file:line: field: what is
-/// wrong".
+/// of the file. `renamed`: options with another spelling now. Call it after all options were added.
+/// Throws FileError "file:line: field: what is wrong".
 ConfigFile read_config(const CLI::App& app, std::string_view json,
                        const std::filesystem::path& file,
-                       const std::vector<std::string>& command_line, const FileValue& file_value);
+                       const std::vector<std::string>& command_line, const FileValue& file_value,
+                       const Renamed& renamed = {});
 
 /// The value of an option on the command line, or else of its variable; nothing: neither gives it.
 /// `reads_environment`: read_environment() was called. `argv[0]` is the program's name.

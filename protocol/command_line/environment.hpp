@@ -49,6 +49,22 @@ inline Rivals exclusive(std::initializer_list<const char*> names) {
   return rivals;
 }
 
+/// An option that has another spelling now: {"map-scale", "--device KIND:map_scale=..."}.
+struct RenamedOption {
+  std::string old;  // without the two dashes
+  std::string now;  // as on a command line
+};
+using Renamed = std::vector<RenamedOption>;
+
+/// Throws std::invalid_argument with the new spelling if `option` (without dashes) is an old one.
+/// `written`: as the user wrote it.
+inline void refuse_renamed(const Renamed& renamed, std::string_view option,
+                           std::string_view written) {
+  const auto found = std::ranges::find(renamed, option, &RenamedOption::old);
+  if (found != renamed.end())
+    throw std::invalid_argument(std::string(written) + " is an old spelling; write " + found->now);
+}
+
 /// The environment variables of a program's options.
 struct Variables {
   /// "server": FELTWIRE_SERVER_BUSY_POLL sets --busy-poll. Empty: only `shared` options have one.
@@ -57,6 +73,8 @@ struct Variables {
   std::vector<std::pair<std::string, std::string>> shared = {};
   /// Options that end the program. They have no variable: a forgotten one would always end it.
   std::vector<std::string> ending = {};
+  /// Options with another spelling now. Neither their old spelling nor its variable is read.
+  Renamed renamed = {};
 };
 
 /// "PREFIX" and an option in capitals: FELTWIRE_BUSY_POLL of FELTWIRE_ and busy-poll.
@@ -82,6 +100,21 @@ inline const CLI::Option* option_of(const CLI::App& app, std::string_view name) 
     if (std::find(names.begin(), names.end(), name) != names.end()) return option;
   }
   return nullptr;
+}
+
+/// Throws std::invalid_argument for a word of the command line that is an old spelling.
+inline void check_words(const CLI::App& app, int argc, const char* const* argv,
+                        const Renamed& renamed) {
+  for (int i = 1; i < argc && std::string_view(argv[i]) != "--"; ++i) {
+    const std::string word = argv[i];
+    if (!word.starts_with("--")) continue;
+    const std::string name = word.substr(2, word.find('=') - 2);
+    const CLI::Option* option = option_of(app, name);
+    if (option == nullptr) refuse_renamed(renamed, name, "--" + name);
+    // The word after an option is its value, also where it looks like an option.
+    const bool attached = word.find('=') != std::string::npos;
+    if (option != nullptr && !attached && option->get_items_expected_min() > 0) ++i;
+  }
 }
 
 /// The value of an option of `app` on the command line, nothing where it is not given. The last one
@@ -111,7 +144,7 @@ inline std::optional<std::string> value_on_command_line(const CLI::App& app, int
 
 /// Throws std::invalid_argument for a variable of this program that is a misspelled option of `app`
 /// (FELTWIRE_SERVER_PROT), and for one that is spelled as before programs had their own
-/// (FELTWIRE_PORT).
+/// (FELTWIRE_PORT), or is the variable of an option with another spelling now.
 inline void check_variables(const CLI::App& app, const Variables& variables) {
   if (variables.program.empty()) return;
   std::vector<std::string> known;  // without what all names begin with
@@ -125,6 +158,9 @@ inline void check_variables(const CLI::App& app, const Variables& variables) {
                                   " now, since each program has variables of its own; rename it");
   }
   const std::string own = in_capitals("FELTWIRE_", variables.program) + "_";
+  for (const RenamedOption& option : variables.renamed)
+    if (const std::string name = in_capitals(own, option.old); std::getenv(name.c_str()) != nullptr)
+      refuse_renamed(variables.renamed, option.old, name);
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string_view text(*entry);
     const std::string name(text.substr(0, text.find('=')));

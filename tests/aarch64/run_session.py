@@ -83,7 +83,7 @@ def main():
     try:
         code, memory, cpu = run_client(
             [*shlex.split(args.emulator), args.client, "--connect", f"127.0.0.1:{port}", "--fingerprint-file", folder / "state/fingerprint",
-             "--token-file", folder / "state/local.token", "--scene", "plane", "--device", "simulated", "--path", "press",
+             "--token-file", folder / "state/local.token", "--scene", "plane", "--device", "simulated:path=press",
              "--duration", f"{args.seconds:g}", "--report", folder / "client.json", "--record", folder / "client.csv"],
             folder, args.seconds)
     finally:

@@ -72,7 +72,7 @@ def run(programs, state, server, ports, args, viewers):
     before = scene_thread(server)
     hands = [subprocess.Popen(
         [programs / "feltwire-client", "--connect", f"127.0.0.1:{control}", "--fingerprint-file", state / "fingerprint", "--token-file",
-         state / "local.token", "--scene", "room", "--device", "simulated", "--path", "press", "--duration", str(args.seconds), "--report",
+         state / "local.token", "--scene", "room", "--device", "simulated:path=press", "--duration", str(args.seconds), "--report",
          state / f"hand{i}.json"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) for i in range(args.hands)]
     failed = sum(hand.wait() != 0 for hand in hands)
     after = scene_thread(server)

@@ -44,7 +44,7 @@ struct StandIn {
 };
 
 /// The top of the table is at z = -0.05. A hand taps along the z axis of its device.
-const Words kOnTheTable = {"--map-translate", "0,0,-0.05"};
+const std::string kOnTheTable = "map_translate=0,0,-0.05";
 const Words kTrueMass = {"--damping", "0.5", "--mass", "0.1"};
 
 Words operator+(Words a, const Words& b) {
@@ -83,8 +83,8 @@ StandIn loaded(const test::TemporaryFolder& folder, const std::string& device, W
                double slowest) {
   const auto page = std::make_shared<NewPage>(folder / (device.substr(0, 6) + ".page"));
   (*page)->waits.store(kStill);
-  return {.device = device,
-          .options = std::move(options) + kOnTheTable,
+  return {.device = device + (device.find(':') == std::string::npos ? ":" : ",") + kOnTheTable,
+          .options = std::move(options),
           .made = [page] { return (*page)->made.load(); },
           .force = [page] { return (*page)->force.load(); },
           .largest_force = [page] { return (*page)->largest_force.load(); },
@@ -124,15 +124,15 @@ StandIn standing(std::shared_ptr<Stand> stand, const std::string& device, Words 
 template <HaplyService::Json json>
 StandIn haply(const test::TemporaryFolder&) {
   const auto service = std::make_shared<HaplyService>(json);
-  return standing(service, "haply:@" + std::to_string(service->port()), kOnTheTable,
+  return standing(service, "haply:@" + std::to_string(service->port()) + "," + kOnTheTable, {},
                   service->commands);
 }
 
 /// The board taps along its y axis, which is the x axis of the driver.
 StandIn hapi(const test::TemporaryFolder&) {
   const auto board = std::make_shared<HapiBoard>();
-  StandIn all = standing(board, "", kOnTheTable + Words{"--map-rotate", "0,-90,0"}, board->frames);
-  all.device = "hapi:" + board->port();
+  StandIn all = standing(board, "", {}, board->frames);
+  all.device = "hapi:" + board->port() + "," + kOnTheTable + ",map_rotate=0,-90,0";
   return all;
 }
 
@@ -236,9 +236,9 @@ TEST(FalconPrograms, EachHasTheOneOfItsNumber) {
   std::array<std::unique_ptr<NewPage>, 2> pages;
   std::array<std::unique_ptr<Program>, 2> clients;
   const auto client_of = [&](int number, const std::string& report) {
-    return std::make_unique<Program>(FELTWIRE_CLIENT_PROGRAM,
-                                     room.client("falcon:" + std::to_string(number),
-                                                 kTrueMass + kOnTheTable, room.folder / report));
+    return std::make_unique<Program>(
+        FELTWIRE_CLIENT_PROGRAM, room.client("falcon:" + std::to_string(number) + "," + kOnTheTable,
+                                             kTrueMass, room.folder / report));
   };
   for (const int n : {0, 1}) {
     const std::string name = std::to_string(n);
@@ -279,7 +279,7 @@ TEST(DeviceTrouble, ARunWhoseDeviceFailsEndsWithAnErrorThatSaysSo) {
     page->waits.store(kStill);
     const std::string file = room.folder / "report.json";
     Program client(FELTWIRE_CLIENT_PROGRAM,
-                   room.client("plugin:" FELTWIRE_PLUGIN_STAND_IN, kOnTheTable, file));
+                   room.client("plugin:" FELTWIRE_PLUGIN_STAND_IN "," + kOnTheTable, {}, file));
     test::eventually("a force", [&] { return page->force.load() > kFelt; });
     (holds_nothing ? page->refuses : page->unplugged).store(true);
     const char* const says =
@@ -305,7 +305,7 @@ TEST(DeviceTrouble, ADeviceThatIsSlowIsNamed) {
   page->slow_read.store(20);
   const std::string file = room.folder / "report.json";
   Program client(FELTWIRE_CLIENT_PROGRAM,
-                 room.client("plugin:" FELTWIRE_PLUGIN_STAND_IN, kOnTheTable, file));
+                 room.client("plugin:" FELTWIRE_PLUGIN_STAND_IN "," + kOnTheTable, {}, file));
   const std::string told = client.error_until("the device is slow: its calls took ");
   client.signal(SIGINT);
   const Outcome outcome = client.finish();
@@ -323,10 +323,10 @@ TEST(Buttons, TheChosenOneIsTheClutch) {
   const Room room;
   NewPage page(room.folder / "plugin.page");
   const std::string file = room.folder / "report.json";
-  Program client(
-      FELTWIRE_CLIENT_PROGRAM,
-      room.client("plugin:" FELTWIRE_PLUGIN_STAND_IN,
-                  kOnTheTable + Words{"--clutch-button", "3", "--deadman-button", "4"}, file));
+  Program client(FELTWIRE_CLIENT_PROGRAM,
+                 room.client("plugin:" FELTWIRE_PLUGIN_STAND_IN "," + kOnTheTable +
+                                 ",clutch_button=3,deadman_button=4",
+                             {}, file));
   test::eventually("a force", [&] { return page->force.load() > kFelt; });
   page->buttons.store(1U << 1U);  // the default clutch of the driver
   const long pressed = page->ticks;

@@ -145,7 +145,7 @@ TEST(MappedDevice, AScaleThatTheDeviceCannotHaveIsRefused) {
     mapped_spec(heavy, {.scale = 0.01});
     FAIL();
   } catch (const std::invalid_argument& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("--map-scale 0.01"), HasSubstr("damping"),
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("map_scale of --device 0.01"), HasSubstr("damping"),
                                     HasSubstr("nearer to 1")));
   }
 }

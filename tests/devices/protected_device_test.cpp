@@ -190,10 +190,10 @@ TEST(ProtectedDevice, TheToolIsAPartOfTheDevicesForceAndOfTheHands) {
   DeviceSpec plane = plain;
   plane.translation_dof = 2;
   EXPECT_THAT(refusal(plane, {.tool_weight = 0.1}), HasSubstr("no force along z"));
-  EXPECT_THAT(refusal(plain, {.emergency_button = 33}), HasSubstr("--emergency-button"));
+  EXPECT_THAT(refusal(plain, {.emergency_button = 33}), HasSubstr("emergency_button of --device"));
   EXPECT_THAT(refusal(plain, {.still = -1.0}), HasSubstr("--await-still"));
-  EXPECT_THAT(refusal(plain, {.deadman_button = 33}), HasSubstr("--deadman-button"));
-  EXPECT_THAT(refusal(plain, {.clutch_button = -1}), HasSubstr("--clutch-button"));
+  EXPECT_THAT(refusal(plain, {.deadman_button = 33}), HasSubstr("deadman_button of --device"));
+  EXPECT_THAT(refusal(plain, {.clutch_button = -1}), HasSubstr("clutch_button of --device"));
 }
 
 /// The chosen buttons must replace the device's own switch and clutch.

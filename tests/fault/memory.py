@@ -288,7 +288,7 @@ def look(port, token, scheme="http"):
 def press(programs, state, control):
     subprocess.run(
         [programs / "feltwire-client", "--connect", f"127.0.0.1:{control}", "--fingerprint-file", state / "fingerprint", "--token-file",
-         state / "local.token", "--scene", "room", "--device", "simulated", "--path", "press", "--duration", "2"],
+         state / "local.token", "--scene", "room", "--device", "simulated:path=press", "--duration", "2"],
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True)
 
 

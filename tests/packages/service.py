@@ -46,7 +46,7 @@ class Hand:
 
     def __init__(self):
         command = ["feltwire-client", "--connect", "127.0.0.1:6720", "--scene", "room", "--fingerprint-file", STATE / "fingerprint",
-                   "--token-file", STATE / "local.token", "--flight-recorder", "off", "--path", "taps", "--duration", "600"]
+                   "--token-file", STATE / "local.token", "--flight-recorder", "off", "--device", "simulated:path=taps", "--duration", "600"]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         self.lines = []
 

@@ -1,7 +1,7 @@
 import feltwire
 
 with feltwire.serve("plane") as server:
-    with server.join(path="press", duration=2, let_go_after=1, flight_recorder="off") as hand:
+    with server.join(device="simulated:path=press", duration=2, let_go_after=1, flight_recorder="off") as hand:
         hand.wait(60)
         ticks = hand.ticks()
 force = [float(tick["force"][2]) if hasattr(tick, "dtype") else tick.force[2] for tick in ticks]

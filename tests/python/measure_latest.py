@@ -6,7 +6,7 @@ import timeit
 from support import PATIENT, SOURCE, eventually
 import feltwire
 
-with feltwire.serve(SOURCE / "scenes/plane.json") as server, server.join(path="press", **PATIENT) as hand:
+with feltwire.serve(SOURCE / "scenes/plane.json") as server, server.join(device="simulated:path=press", **PATIENT) as hand:
     eventually("a tick", hand.latest)
     times = [1e6 * one / 10000 for one in timeit.repeat(hand.latest, number=10000, repeat=20)]
 print(f"hand.latest(): median {statistics.median(times):.2f} us, least {min(times):.2f} us")

@@ -25,7 +25,7 @@ import feltwire
 import feltwire.lerobot
 
 # A busy machine may let the program wait, and the force must not fade meanwhile.
-WORLD = {**PATIENT, "hold_time": 1, "path": "press"}
+WORLD = {**PATIENT, "hold_time": 1}
 STIFFNESS = 2000.0  # [N/m]
 
 
@@ -141,7 +141,7 @@ class LeRobot(StandIns):
     def test_a_scene_is_felt_without_feedback(self):
         with feltwire.serve(SOURCE / "scenes/plane.json") as server:
             config = self.config(id="right", server=server.address, scene="plane", fingerprint_file=server.fingerprint_file,
-                                 token_file=server.token_file, options={**PATIENT, "path": "press"})
+                                 token_file=server.token_file, options=PATIENT)
             self.assertEqual(config.type, "feltwire")
             hand = make_device(config)
             self.assertEqual(hand.feedback_features, {})

@@ -25,7 +25,7 @@ class AsyncHands(unittest.IsolatedAsyncioTestCase):
                                  token_file=self.server.token_file, **PATIENT, **options)
 
     async def test_every_tick_comes_once_and_no_thread_comes_with_it(self):
-        async with self.join(path="press", duration=1.5) as hand:
+        async with self.join(device="simulated:path=press", duration=1.5) as hand:
             threads = threading.active_count()
             numbers = [int(tick["number"] if hasattr(tick, "dtype") else tick.number) async for tick in hand]
             self.assertTrue(await hand.wait(LONGEST))
@@ -38,7 +38,7 @@ class AsyncHands(unittest.IsolatedAsyncioTestCase):
             return max([max(float(one["force"][2] if hasattr(one, "dtype") else one.force[2]) for one in batch)
                         async for batch in hand.batches(0.05)])
 
-        async with self.join(path="press", duration=1.5) as one, self.join(path="taps", duration=1.5) as other:
+        async with self.join(device="simulated:path=press", duration=1.5) as one, self.join(device="simulated:path=taps", duration=1.5) as other:
             self.assertFalse(await one.wait(0.0))
             for force in await asyncio.gather(largest(one), largest(other)):
                 self.assertGreater(force, 0.2)

@@ -22,7 +22,7 @@ class Hands(unittest.TestCase):
         cls.server.close()
 
     def test_a_simulated_hand_feels_the_plane(self):
-        with self.server.join(path="press", duration=2, **PATIENT) as hand:
+        with self.server.join(device="simulated:path=press", duration=2, **PATIENT) as hand:
             self.assertTrue(hand.wait(LONGEST))
             ticks = hand.ticks()
             self.assertEqual(without_schedule(hand.messages()), [])
@@ -81,7 +81,7 @@ class Hands(unittest.TestCase):
 
     def test_ticks_as_arrays_and_as_lists(self):
         """An array of many ticks is no copy, and what is fetched later does not change it."""
-        with self.server.join(path="press", **PATIENT) as hand, unittest.mock.patch("feltwire.hand._WORTH_KEEPING", 1):
+        with self.server.join(device="simulated:path=press", **PATIENT) as hand, unittest.mock.patch("feltwire.hand._WORTH_KEEPING", 1):
             batches = []
 
             def fetch():

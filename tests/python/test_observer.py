@@ -28,7 +28,7 @@ class Observers(unittest.TestCase):
 
     def test_it_sees_a_hand_press_and_leave(self):
         with self.server.observe() as observer:
-            with self.server.join(path="press", name="anna", **PATIENT):
+            with self.server.join(device="simulated:path=press", name="anna", **PATIENT):
                 hands = []
 
                 def pushed():
@@ -171,7 +171,7 @@ class Admins(unittest.TestCase):
             self.assertEqual((done.returncode, done.stderr), (0, ""))
             return done.stdout
 
-        with self.server.join(path="press", name="anna", **PATIENT):
+        with self.server.join(device="simulated:path=press", name="anna", **PATIENT):
             self.assertIn("1 hands", run("my_observer.py", "1"))
             out = run("my_admin.py", "desk")
             self.assertIn("300", out)

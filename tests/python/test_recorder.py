@@ -30,7 +30,7 @@ class Recorders(unittest.TestCase):
     @unittest.skipUnless(numpy, "NumPy is not installed")
     def test_the_file_has_the_ticks_that_the_program_saw(self):
         seen = []
-        with self.server.join(path="press", **PATIENT) as hand:
+        with self.server.join(device="simulated:path=press", **PATIENT) as hand:
             def ticks(least):
                 seen.append(hand.ticks())
                 return sum(map(len, seen)) >= least
@@ -100,7 +100,7 @@ class Recorders(unittest.TestCase):
         with self.server.admin() as admin, self.assertRaisesRegex(ValueError, "has a zero byte"):
             admin.request("set", "--object", "desk\0top", "--stiffness", 500)
         with self.assertRaisesRegex(ValueError, "has a zero byte"):
-            self.server.join(path="press\0slide")
+            self.server.join(device="simulated:path=press\0slide")
 
     def test_it_may_be_closed_after_its_hand(self):
         with self.server.join(**PATIENT) as hand:

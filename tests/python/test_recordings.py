@@ -58,7 +58,7 @@ class Recordings(unittest.TestCase):
         flights = cls.folder / "flights"
         with feltwire.serve(SOURCE / "scenes/plane.json", record=cls.folder / "room.mcap", flight_recorder=flights) as server:
             for name in ("hand.mcap", "hand.csv"):
-                with server.join(path="taps", duration=2.5, record=cls.folder / name, **PATIENT) as hand:
+                with server.join(device="simulated:path=taps", duration=2.5, record=cls.folder / name, **PATIENT) as hand:
                     hand.wait()
             server.process.send_signal(signal.SIGUSR1)
             eventually("a flight record", lambda: list(flights.glob("*.mcap")))

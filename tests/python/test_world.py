@@ -21,7 +21,7 @@ def sphere(position, _time=0.0):
 
 class Worlds(unittest.TestCase):
     def test_a_hand_feels_the_physics_and_stale_physics_fades(self):
-        with feltwire.World(path="press", depth=0.005, **OPTIONS) as world:
+        with feltwire.World(device="simulated:path=press,depth=0.005", **OPTIONS) as world:
             felt = []
 
             def pushes():
@@ -46,7 +46,7 @@ class Worlds(unittest.TestCase):
             calls.append(time)
             return sphere(position)
 
-        with feltwire.World(path="press", **OPTIONS) as world:
+        with feltwire.World(device="simulated:path=press", **OPTIONS) as world:
             world.run(physics, reach=0.02, rate=200, duration=1)
             self.assertGreater(len(calls), 2)
             self.assertLessEqual(len(calls), 201)
@@ -55,7 +55,7 @@ class Worlds(unittest.TestCase):
             world.run(physics, reach=0.02)  # ends with the run
 
     def test_a_force_is_felt_too(self):
-        with feltwire.World(path="press", **OPTIONS) as world:
+        with feltwire.World(device="simulated:path=press", **OPTIONS) as world:
             def pushes():
                 tick = world.latest()
                 if tick is None:
@@ -66,7 +66,7 @@ class Worlds(unittest.TestCase):
             eventually("the spring pushes", pushes)
 
     def test_nothing_is_felt_where_nothing_is(self):
-        with feltwire.World(path="press", **OPTIONS) as world:
+        with feltwire.World(device="simulated:path=press", **OPTIONS) as world:
             world.run(lambda position, time: [], reach=0.05, duration=0.5)
             self.assertTrue(all(one == 0.0 for one in world.latest().force))
 

@@ -55,7 +55,7 @@ def check_session(bin_folder, version, compiler, folder):
         sys.exit(f"{version / 'hand.mcap'} has no sample")
     movement = folder / "hand/hand_sample.csv"
     with Server(bin_folder, ["--config", folder / "configuration.json"], folder) as server:
-        for device in (["--device", "simulated", "--spec", folder / "device.json", "--path", "press"],
+        for device in (["--device", "simulated:path=press", "--spec", folder / "device.json"],
                        ["--device", f"plugin:{plugin}:0.2", "--let-go-after", "0.1"],
                        ["--device", f"replay:{movement}"]):
             report = folder / "today.json"

@@ -19,16 +19,16 @@ from pathlib import Path
 
 LONGEST = 60.0  # [s] that a program may take to say that it is ready
 HERE = Path(__file__).resolve().parent
-PRESS = ["--path", "press", "--duration", "1"]
+PRESS = ["--device", "simulated:path=press", "--duration", "1"]
 # Name: scene, options of the hand.
 SESSIONS = {
-    "mesh": ("bunny", ["--path", "slide", "--duration", "1"]),
+    "mesh": ("bunny", ["--device", "simulated:path=slide", "--duration", "1"]),
     "bodies": ("workshop", PRESS),
     "tool": ("body", PRESS),
     "deadbands": ("plane", [*PRESS, "--position-deadband", "2", "--force-deadband", "5"]),
     "observer": ("plane", PRESS),
-    "reload": ("plane", ["--path", "press", "--duration", "1.5"]),
-    "robot": ("teleoperation/seat", ["--path", "taps", "--center", "0,0,0.3", "--lead", "0.3", "--duration", "2.5"]),
+    "reload": ("plane", ["--device", "simulated:path=press", "--duration", "1.5"]),
+    "robot": ("teleoperation/seat", ["--device", "simulated:path=taps,center=0,0,0.3", "--lead", "0.3", "--duration", "2.5"]),
 }
 
 

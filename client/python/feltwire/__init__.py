@@ -3,7 +3,7 @@
     import feltwire
 
     with feltwire.serve("plane") as server:
-        with server.join(path="press", duration=3) as hand:
+        with server.join(device="simulated:path=press", duration=3) as hand:
             hand.wait()
             ticks = hand.ticks()          # every tick since it joined
     print(ticks["force"].max(axis=0))     # [N]

@@ -1,7 +1,7 @@
 """Hands, their recordings and followers for asyncio. A blocking call has a thread of the event loop's pool for its time; ticks are fetched in batches by the loop
 itself.
 
-    async with feltwire.aio.join(server.address, "plane", path="press", duration=3) as hand:
+    async with feltwire.aio.join(server.address, "plane", device="simulated:path=press", duration=3) as hand:
         async for tick in hand:
             ...
 """

@@ -37,7 +37,7 @@ def _felt_env() -> Any:
         Returns the surfaces near it, a list of feltwire.Patch ([]: nothing is near), or a Wrench. reach [m]: within which the list has all
         surfaces. stiffness [N/m]: of the stiffest surface. act(action, tick): the action for the environment, from that of the caller and
         the newest tick of the hand (None before the first); without it the caller's action. All other keywords are those of
-        feltwire.World: device, path, start, normal, hold_time, max_force.
+        feltwire.World: device, start, normal, hold_time, max_force.
 
         step() and reset() add info["feltwire"]: position [m], orientation (w, x, y, z), force [N] and torque [N m] on the hand,
         scene_force [N] before the bound, taken: whether the hand took what contacts() said, and ended. reset() takes the surfaces away. If step()

@@ -41,7 +41,7 @@ def join(server: str, scene: str, *, device: str = "simulated", spec: Optional[P
     stale_after [s]: a hand of device "caller" that was not moved for so long gets no force. The server is recognised by fingerprint,
     fingerprint_file or ca_file; without any by FELTWIRE_FINGERPRINT_FILE. token_file: without it FELTWIRE_TOKEN_FILE.
 
-    All other keywords are options of feltwire-client with _ for -: path="press", record="a.mcap", max_force=3.
+    All other keywords are options of feltwire-client with _ for -: record="a.mcap", max_force=3.
 
     Raises ValueError for a wrong option, Refused, ServerError, or Error.
     """

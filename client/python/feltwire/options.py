@@ -6,7 +6,7 @@ from typing import Any, Dict, List
 
 
 def words(options: Dict[str, Any], *, repeat: bool = False) -> List[str]:
-    """{"path": "press", "local_model": False} -> ["--path", "press", "--no-local-model"]
+    """{"device": "haply", "local_model": False} -> ["--device", "haply", "--no-local-model"]
 
     None is not given. A list is one word with commas; with `repeat` the option is repeated for each, and False is not given, as programs
     without --no- options have it. Raises ValueError for an empty list."""

@@ -49,7 +49,7 @@ TEST_F(ConfigFileOfClient, SetsNumbersTextsFlagsAndLists) {
   const ClientOptions made = options(R"({
     // a hand behind a narrow line
     "mode": "contact_frame", "packet_rate": 100, "local_model": true, "rehearsal": false,
-    "center": [0, 0.5, -0.25], "damping": [1, 2, 3], "busy_poll": "inf", "name": "\u00e9 \"left\"",
+    "device": "simulated:center=0,0.5,-0.25", "damping": [1, 2, 3], "trust_robot": [0.1, 5], "lead": 0.3, "busy_poll": "inf", "name": "\u00e9 \"left\"",
     "no_account": false
   })");
   EXPECT_EQ(made.parameters.mode, "contact_frame");
@@ -57,6 +57,7 @@ TEST_F(ConfigFileOfClient, SetsNumbersTextsFlagsAndLists) {
   EXPECT_TRUE(made.parameters.local_model);
   EXPECT_FALSE(made.rehearses);
   EXPECT_EQ(made.device.task.center, Vec3(0.0, 0.5, -0.25));
+  EXPECT_EQ(made.servo.leads->power, 5.0);
   EXPECT_EQ(made.busy_poll, HUGE_VAL);
   EXPECT_EQ(made.name, "\xc3\xa9 \"left\"");
   EXPECT_TRUE(made.servo.account);
@@ -65,9 +66,8 @@ TEST_F(ConfigFileOfClient, SetsNumbersTextsFlagsAndLists) {
 TEST_F(ConfigFileOfClient, EveryOptionHasAMember) {
   CLI::App app;
   OptionValues values;
-  HandTask task;
   ClientOptions made;
-  add_options(app, values, task, made);
+  add_options(app, values, made);
   for (const CLI::Option* option : app.get_options()) {
     if (option->get_lnames().empty() || option == app.get_help_ptr()) continue;
     std::string name = option->get_lnames().front();
@@ -127,6 +127,8 @@ TEST_F(ConfigFileOfClient, ItsFilesLieInItsFolder) {
   EXPECT_EQ(made.record, "/tmp/r.csv");
   EXPECT_EQ(made.flight_recorder, std::nullopt);
   EXPECT_EQ(made.device.name, (folder_ / "moved.csv").string());
+  EXPECT_EQ(options(R"({"device": "simulated:depth=0.02,plant=lag.json"})").device.name,
+            "plant=" + (folder_ / "lag.json").string());
   EXPECT_THAT(refused(R"({"spec": "none.json"})"), HasSubstr((folder_ / "none.json").string()));
 }
 
@@ -140,11 +142,12 @@ TEST_F(ConfigFileOfClient, ErrorsNameFileLineFieldAndRemedy) {
   EXPECT_THAT(refused("{\n\n\"rate\": 1}"), starts(3, "rate: --rate must be from 10"));
   EXPECT_THAT(refused("{\n\"rate\": \"fast\"}"), starts(2, "rate: "));
   EXPECT_THAT(refused("{\n\"rate\": [1]}"), starts(2, "rate: has one value"));
-  EXPECT_THAT(refused("{\n\"center\": []}"), starts(2, "center: is empty"));
-  EXPECT_THAT(refused("{\n\"center\": [1, [2], 3]}"), starts(2, "center[1]: "));
-  EXPECT_THAT(refused("{\n\"center\": [1, 2]}"), starts(2, "center: has 2 values; write 3"));
-  EXPECT_THAT(refused("{\n\"center\": [1, 2, 3, 4]}"), starts(2, "center: has 4 values; write 3"));
-  EXPECT_THAT(refused("{\n\"center\": [\"1,2\", 3]}"), starts(2, "center[0]: "));
+  EXPECT_THAT(refused("{\n\"trust_robot\": []}"), starts(2, "trust_robot: is empty"));
+  EXPECT_THAT(refused("{\n\"trust_robot\": [1, [2]]}"), starts(2, "trust_robot[1]: "));
+  EXPECT_THAT(refused("{\n\"trust_robot\": [1]}"), starts(2, "trust_robot: has 1 values; write 2"));
+  EXPECT_THAT(refused("{\n\"trust_robot\": [1, 2, 3]}"),
+              starts(2, "trust_robot: has 3 values; write 2"));
+  EXPECT_THAT(refused("{\n\"trust_robot\": [\"1,2\", 3]}"), starts(2, "trust_robot[0]: "));
   EXPECT_THAT(refused("{\n\"local_model\": 1}"), starts(2, "local_model: is on or off"));
   EXPECT_THAT(refused("{\n\"name\": true}"), starts(2, "name: is a number or a text"));
   EXPECT_THAT(refused("{\n\"name\": \"\\ud800\"}"), starts(2, "name: has an escape"));
@@ -154,6 +157,10 @@ TEST_F(ConfigFileOfClient, ErrorsNameFileLineFieldAndRemedy) {
               starts(2, "report: is empty"));
   EXPECT_THAT(refused("{\n\"name\": \"\"}"), starts(2, "name: is empty"));
   EXPECT_THAT(refused("{\n\"device\": \"omega\"}"), starts(2, "device: "));
+  EXPECT_THAT(refused("{\n\"center\": [1, 2, 3]}"),
+              starts(2, "center: is an old spelling; write --device simulated:center=..."));
+  EXPECT_THAT(refused("{\n\"device\": \"haply:map_scale=0\"}"),
+              starts(2, "device: map_scale of --device must be from 0.01"));
   EXPECT_THAT(refused("{\n\"config\": \"b.json\"}"), starts(2, "config: cannot be in a file"));
   EXPECT_THAT(refused("{\n\"list\": true}"), starts(2, "list: cannot be in a file"));
   EXPECT_THAT(refused("{\n\"help\": true}"), starts(2, "help: cannot be in a file"));

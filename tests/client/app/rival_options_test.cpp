@@ -77,12 +77,8 @@ std::vector<OptionList> everything() {
                                  {{"role", "observer"}},
                                  {{"role", "observer"}, {"view", "seen.csv"}},
                                  {{"lead", "0.3"}},
-                                 {{"lead", "0.3"}, {"robot", "left"}, {"robot-button", "1"}},
+                                 {{"lead", "0.3"}, {"robot", "left"}},
                                  {{"lead", "0.3"}, {"trust-robot", "0.1,5"}},
-                                 {{"emergency-button", "1"}},
-                                 {{"deadman-button", "1"}},
-                                 {{"tool-weight", "0.5N"}},
-                                 {{"press-button", "1"}},
                                  {{"bounding", "client"}},
                                  {{"bounding", "server"}},
                                  {{"bounding", "both"}},
@@ -109,11 +105,9 @@ std::vector<OptionList> everything() {
                                  {{"spec", "omega.7"}},
                                  {{"damping", "0.2"}},
                                  {{"link", "wifi"}},
-                                 {{"fixed", "true"}},
                                  {{"changes", "none"}},
                                  {{"changes", "safe"}},
-                                 {{"changes", "any"}},
-                                 {{"map-scale", "2"}}};
+                                 {{"changes", "any"}}};
   for (const BoundingMethod* method : bounding_methods())
     all.push_back({{"mode", std::string(method->name)}});
   return all;
@@ -128,13 +122,7 @@ bool names(const OptionList& given, const std::set<std::string>& options) {
 /// Returns true if the pair stays refused, although one option comes from the environment.
 bool stays_refused(const OptionList& said, const OptionList& in_environment) {
   // Only --check may drop a protection of the hand.
-  if (names(in_environment,
-            {"slew", "ramp-up", "velocity-limit", "emergency-button", "deadman-button"}))
-    return !names(said, {"check"});
-  // The button does not exist on this device, or already has another meaning.
-  if (names(in_environment, {"robot-button"}) &&
-      names(said, {"device", "emergency-button", "deadman-button"}))
-    return true;
+  if (names(in_environment, {"slew", "ramp-up", "velocity-limit"})) return !names(said, {"check"});
   // Only --check may open another device than the environment names.
   if (names(in_environment, {"device"})) return !names(said, {"check"});
   // These pairs need a third option: --local-model or --no-local-model.

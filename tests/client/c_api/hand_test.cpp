@@ -181,11 +181,13 @@ TEST_F(CApi, AnEmulatedLinkIsBetweenTheHandAndTheServer) {
 }
 
 // A hand that touches nothing: ticks that are late on a busy machine make no debt.
-constexpr std::array<const char*, 8> kFarAway = {
-    "--flight-recorder", "off", "--let-go-after", "1", "--reconnect", "0", "--center", "0,0,0.5"};
+constexpr std::array<const char*, 6> kFarAway = {"--flight-recorder", "off", "--let-go-after", "1",
+                                                 "--reconnect",       "0"};
+constexpr const char* kFarDevice = "simulated:center=0,0,0.5";
 
 TEST_F(CApi, TwoHandsShareTheScene) {
   fw_hand_options given = options();
+  given.device = kFarDevice;
   given.more = kFarAway.data();
   given.more_count = static_cast<std::uint32_t>(kFarAway.size());
   fw_hand *first = nullptr, *second = nullptr;
@@ -200,6 +202,7 @@ TEST_F(CApi, TwoHandsShareTheScene) {
 
 TEST_F(CApi, AServerThatEndsIsTold) {
   fw_hand_options given = options();
+  given.device = kFarDevice;
   given.more = kFarAway.data();
   given.more_count = static_cast<std::uint32_t>(kFarAway.size());
   fw_hand* hand = nullptr;

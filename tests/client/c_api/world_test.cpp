@@ -50,8 +50,7 @@ class CApiWorld : public ::testing::Test {
   }
 
   // A busy machine may let the threads of this test wait.
-  static constexpr std::array<const char*, 6> kMore = {"--let-go-after", "1",    "--hold-time", "1",
-                                                       "--path",         "press"};
+  static constexpr std::array<const char*, 4> kMore = {"--let-go-after", "1", "--hold-time", "1"};
   fw_hand* hand_ = nullptr;
 };
 

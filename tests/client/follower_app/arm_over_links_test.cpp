@@ -129,8 +129,8 @@ TEST_F(ArmOverLinks, TheTableIsFeltAndARecordedHandIsCutOff) {
                                    {"delay=50,loss=2,seed=3", "delay=50,loss=2,seed=4"}};
   serve(links.size());
   const std::vector<Ended> pressed = run_in_time(
-      links, {"--device", "simulated", "--duration", "7", "--center", "0,0,0.3", "--path", "taps",
-              "--frequency", "0.25", "--depth", "0.03", "--lead", "0.3"});
+      links, {"--device", "simulated:center=0,0,0.3,path=taps,frequency=0.25,depth=0.03",
+              "--duration", "7", "--lead", "0.3"});
   if (pressed.empty()) GTEST_SKIP() << "this machine pauses for more than 50 ms again and again";
   for (std::size_t i = 0; i < pressed.size(); ++i) {
     SCOPED_TRACE(links[i].hand);

@@ -223,8 +223,8 @@ TEST_F(FollowerProgram, OneHandMovesOneRobotAndThenAnother) {
     EXPECT_THAT(robots.back()->error_until("the robot's seat"), HasSubstr("the robot's seat"));
   }
   std::vector<std::string> words = access("hand");
-  words.insert(words.end(), {"--scene", "pair", "--robot", "left", "--lead", "0.3",
-                             "--robot-button", "1", "--press-button", "1.5", "--duration", "3"});
+  words.insert(words.end(), {"--scene", "pair", "--robot", "left", "--lead", "0.3", "--device",
+                             "simulated:robot_button=1,press_button=1.5", "--duration", "3"});
   const Outcome hand = Program(FELTWIRE_CLIENT_PROGRAM, words).finish();
   EXPECT_EQ(hand.status, 0) << hand.error;
   for (const auto& robot : robots) {

@@ -8,8 +8,8 @@ LINK = "delay=20,jitter=10,loss=5,burst=4,reorder=2,duplicate=2,seed=7"
 SECONDS = 8.0
 # The tasks of the hands. Each runs with the replies' force alone and with the local contact model.
 TASKS = {
-    "press": ["--path", "press", "--center", "0.03,-0.02,-0.05", "--depth", "0.005"],
-    "ball": ["--path", "orbit", "--center", "0.05,0.05,-0.01", "--radius", "0.02", "--depth", "0"],
+    "press": ["--device", "simulated:path=press,center=0.03,-0.02,-0.05,depth=0.005"],
+    "ball": ["--device", "simulated:path=orbit,center=0.05,0.05,-0.01,radius=0.02,depth=0"],
 }
 STILL = {"press": "z"}  # the task that stands still, and the direction that it presses in
 

@@ -8,8 +8,8 @@ TABLE = -0.05  # [m] height of its top in scenes/room.json
 
 def run(compose, judge):
     compose.server()
-    compose.client("left", duration=SECONDS, options=["--path", "slide", "--center", "0,0,-0.05", "--radius", "0.03"])
-    compose.client("right", duration=SECONDS, options=["--path", "press", "--center", "0.03,-0.02,-0.05"])
+    compose.client("left", duration=SECONDS, options=["--device", "simulated:path=slide,center=0,0,-0.05,radius=0.03"])
+    compose.client("right", duration=SECONDS, options=["--device", "simulated:path=press,center=0.03,-0.02,-0.05"])
     compose.up("server")
     compose.up("left", "right")
     judge.expect("exit codes", compose.wait("left", "right"), equal=[0, 0])

@@ -24,7 +24,7 @@ def run(compose, judge):
     rounds = {(when, i): [f"{when}-{i}-{hand}" for hand in HANDS] for i in range(ROUNDS) for when in ("quiet", "flooded")}
     for names in rounds.values():
         for seed, name in enumerate(names, 1):
-            compose.client(name, duration=SECONDS, options=["--path", "slide", "--radius", "0.02", "--seed", str(seed)])
+            compose.client(name, duration=SECONDS, options=["--device", f"simulated:path=slide,radius=0.02,seed={seed}"])
     compose.up("server", "elsewhere")
     for sender in senders.values():
         compose.up(sender)

@@ -9,10 +9,10 @@ from judge import Recording, expect_honest, expect_passive, expect_undisturbed, 
 
 CUT, PAUSED = 3.0, 5.0  # [s]
 SLEW = 40.0  # [N/s] that the hands ask for: less than a tap rises with by itself
-TAPS = ["--path", "taps", "--frequency", "1", "--slew", f"{SLEW:g}"]
+TAPS = ["--device", "simulated:path=taps,frequency=1", "--slew", f"{SLEW:g}"]
 # A process that is frozen holds what it held last, and a hand that moves on meanwhile is given energy that nothing
 # bounds (docs/docker.md). So this one is caught in the air, where it is for two seconds and more.
-SLOW_TAPS = ["--path", "taps", "--frequency", "0.2", "--slew", f"{SLEW:g}"]
+SLOW_TAPS = ["--device", "simulated:path=taps,frequency=0.2", "--slew", f"{SLEW:g}"]
 
 
 def has_just_left(recording):
@@ -24,7 +24,7 @@ def has_just_left(recording):
 
 def run(compose, judge):
     compose.server(networks=["line", "cable"])
-    compose.client("peace", options=["--path", "slide", "--slew", f"{SLEW:g}"])
+    compose.client("peace", options=["--device", "simulated:path=slide", "--slew", f"{SLEW:g}"])
     compose.client("cut", networks=["cable"], options=TAPS)
     compose.client("killed", options=TAPS)
     compose.client("paused", options=SLOW_TAPS)

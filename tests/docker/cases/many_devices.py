@@ -21,7 +21,7 @@ def run(compose, judge):
     compose.up("server")
     for seed, (name, (scene, spec, _, path)) in enumerate(HANDS.items(), 1):
         compose.client(name, scene=scene, duration=SECONDS, options=[
-            "--spec", spec, "--path", path, "--radius", "0.01", "--depth", "0.005", "--seed", str(seed)])
+            "--spec", spec, "--device", f"simulated:path={path},radius=0.01,depth=0.005,seed={seed}"])
     compose.up(*HANDS)
     judge.expect("exit codes", compose.wait(*HANDS), equal=[0] * len(HANDS))
 

@@ -9,7 +9,7 @@ SCENE = "teleoperation/seat"
 TRUST = {client: ["--fingerprint-file", f"{STATE}/fingerprint", "--token-file", f"/out/{client}.token"] for client in ("hand", "robot")}
 FOLLOWER = ["feltwire-follower", "--connect", f"server:{CONTROL_PORT}", *TRUST["robot"], "--scene", "seat",
             "--surroundings", "scenes/teleoperation/surroundings.json", "--at", "0,0,0.003", "--report", "/out/robot.json"]
-TAPS = ["--path", "taps", "--frequency", "0.5", "--center", "0,0,0.3", "--depth", "0.015", "--lead", "0.3"]
+TAPS = ["--device", "simulated:path=taps,frequency=0.5,center=0,0,0.3,depth=0.015", "--lead", "0.3"]
 SECONDS = 6.0
 OUT_FROM, OUT_FOR = 3.0, 4.0  # [s] of the second hand's run
 SECONDS_CUT = OUT_FROM + OUT_FOR + 5.0

@@ -34,7 +34,7 @@ def run(compose, judge):
     compose.server("server-new", scenes=["/out/new.json"], alias="feltwire")
     compose.up("server-old")
     for path, center in HANDS.items():
-        compose.client(path, scene="table", to="feltwire", options=["--path", path, "--center", center, "--slew", f"{SLEW:g}", "--wait-for-small-force", "inf"])
+        compose.client(path, scene="table", to="feltwire", options=["--device", f"simulated:path={path},center={center}", "--slew", f"{SLEW:g}", "--wait-for-small-force", "inf"])
     compose.up(*HANDS)
     time.sleep(BEFORE)
     compose.up("server-new")

@@ -9,8 +9,8 @@ HOLD_TIME = 0.1  # [s] the client's default
 BEFORE, AWAY, AFTER = 3.0, 3.0, 6.0  # [s]
 SLEW = 40.0  # [N/s] that the hands ask for: less than a tap rises with by itself
 # Both leave the surface again and again: what a hand sank into meanwhile it feels once it has been outside.
-HANDS = {"table": ["--path", "taps", "--frequency", "1"],
-         "can": ["--path", "taps", "--frequency", "1.5", "--center", "-0.06,0.04,0.03"]}
+HANDS = {"table": ["--device", "simulated:path=taps,frequency=1"],
+         "can": ["--device", "simulated:path=taps,frequency=1.5,center=-0.06,0.04,0.03"]}
 
 
 def run(compose, judge):
