@@ -102,7 +102,7 @@ class AsyncHands(unittest.IsolatedAsyncioTestCase):
     async def test_a_recording_of_a_hand(self):
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "hand.mcap"
-            async with self.join(path="press") as hand:
+            async with self.join(device="simulated:path=press") as hand:
                 async with hand.record(file) as recorder:
                     while recorder.state().ticks < 100:
                         await asyncio.sleep(0.01)

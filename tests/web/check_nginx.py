@@ -256,7 +256,7 @@ http {{
         browser.write_text(f'#!/bin/sh\nexec "{chromium}" --ignore-certificate-errors --host-resolver-rules="MAP *.example 127.0.0.1" "$@"\n')
         browser.chmod(0o755)
         self.start([PROGRAMS / "feltwire-client", "--connect", f"127.0.0.1:{self.control}", "--fingerprint-file", self.state / "fingerprint",
-                    "--token-file", self.state / "local.token", "--scene", "room", "--device", "simulated", "--path", "slide"],
+                    "--token-file", self.state / "local.token", "--scene", "room", "--device", "simulated:path=slide"],
                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         for host, folder in HOSTS.items():
             with self.subTest(host=host):
