@@ -144,7 +144,7 @@ export class Admin {
       this.token.value = '';
     };
 
-    this.object = make('select', {onchange: () => this.#showMaterial()});
+    this.object = make('select', {ariaLabel: 'Object', onchange: () => this.#showMaterial()});
     this.slider = make('input', {type: 'range', min: PER_DECADE, max: 5 * PER_DECADE, ariaLabel: 'Stiffness, 10 to 100 000 N/m'});
     this.slider.oninput = () => {
       const value = Number((10 ** (this.slider.value / PER_DECADE)).toPrecision(3));

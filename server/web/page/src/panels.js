@@ -35,14 +35,18 @@ export function followTheme(button, paint) {
  */
 export function makeSplit(bar, property, {axis, least, most}) {
   const key = `feltwire${property}`;
+  /** For screen readers. @param {number} size [px] */
+  const tell = (size) => Object.assign(bar, {ariaValueMin: String(least), ariaValueMax: String(most()), ariaValueNow: String(size)});
   const set = (size) => {
     const fit = Math.round(Math.min(Math.max(size, least), most()));
     root.style.setProperty(property, `${fit}px`);
+    tell(fit);
     forGood.set(key, String(fit));
   };
   const panel = () => bar.nextElementSibling.getBoundingClientRect()[axis === 'x' ? 'width' : 'height'];
   const stored = Number(forGood.get(key));
   if (stored > 0) set(stored);
+  else tell(parseInt(getComputedStyle(root).getPropertyValue(property), 10));
   bar.onpointerdown = (event) => {
     bar.setPointerCapture(event.pointerId);
     const from = (axis === 'x' ? event.clientX : event.clientY) + panel();
