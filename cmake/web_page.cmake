@@ -22,7 +22,8 @@ function(feltwire_web_page target)
     endif()
     set(packages ${source}/package.json ${source}/package-lock.json)
     file(GLOB modules CONFIGURE_DEPENDS ${source}/src/*.js ${source}/src/replay/*.js)
-    set(files ${source}/build.mjs ${source}/index.html ${source}/style.css ${source}/replay.css ${source}/icon.svg)
+    file(GLOB styles CONFIGURE_DEPENDS ${source}/*.css)
+    set(files ${source}/build.mjs ${source}/index.html ${source}/icon.svg ${styles})
     add_custom_command(
       OUTPUT ${copy}/node_modules/.package-lock.json
       COMMAND ${CMAKE_COMMAND} -E make_directory ${copy}

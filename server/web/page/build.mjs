@@ -55,7 +55,7 @@ const assets = [
 });
 
 // The page's size as a browser loads it: content with two names is loaded once.
-const MOST = 700_000;  // [bytes]
+const MOST = 300_000;  // [bytes]
 const whole = assets.filter(({path}) => path !== '/replay').reduce((sum, {gzip}) => sum + gzip.length, 0);
 if (whole > MOST) throw new Error(`the page has ${whole} bytes compressed, and may have ${MOST}`);
 

@@ -220,6 +220,7 @@ test('an admin turns knobs, and is told what is refused', async () => {
   await slider.focus();
   await press('Home');
   assert.deepEqual((await asked(3)).set.stiffness, 10);
+  await page.click('#admin-hand-tab');
   await page.locator('tbody tr', {hasText: 'alice'}).click();
   await until(() => document.querySelector('#admin select[aria-label="Mode of the bound"]').disabled);
   await page.locator('tbody tr', {hasText: 'bob'}).click();
@@ -228,6 +229,7 @@ test('an admin turns knobs, and is told what is refused', async () => {
   assert.deepEqual((await asked(4)).set, {session: '4712', mode: 'per_axis'});
   await page.getByRole('button', {name: 'Evict'}).click();
   assert.deepEqual(await asked(5), {evict: '4712'});
+  await page.click('#admin-scene-tab');
   await page.getByRole('button', {name: /Reload/}).click();
   assert.deepEqual(await asked(6), {reload: true});
   await page.getByRole('button', {name: 'Write a flight record'}).click();
@@ -243,6 +245,7 @@ test('a page that only observes shows the values, and says who can change them',
   await page.click('#admin-open');
   assert.match(await page.textContent('#admin-said'), /only observes/);
   assert.ok(!await page.locator('#admin input[type=password]').isVisible());
+  await page.click('#admin-scene-tab');
   assert.ok(await page.getByRole('button', {name: 'Write a flight record'}).isDisabled());
   assert.equal(await page.getByLabel(/^Stiffness ?N\/m$/).inputValue(), '1000');
   await page.locator('tbody tr', {hasText: 'bob'}).click();
@@ -260,6 +263,7 @@ test('an admin changes the law, the link and the lead of a client that takes the
   await page.click('#admin-open');
   await page.fill('#admin input[type=password]', ADMIN);
   await page.click('#admin form button');
+  await page.click('#admin-hand-tab');
   await page.locator('tbody tr', {hasText: 'alice'}).click();  // It takes nothing.
   const delay = page.getByLabel(/^Delay ?ms$/);
   await until(() => document.querySelector('#admin select[aria-label="Mode of the bound"]').disabled);
@@ -308,9 +312,11 @@ test('an admin changes friction, gravity and the numbers of a bound', async () =
   await give(/^Static friction/, '0.3');  // Below the dynamic one, which goes along.
   assert.deepEqual(await asked(3), {object, static_friction: 0.3, dynamic_friction: 0.3});
   await until(() => [...document.querySelectorAll('#admin input[type=number]')].filter((input) => input.value === '0.3').length === 2);
+  await page.click('#admin-scene-tab');
   await give('Gravity z', '-1.62');
   assert.deepEqual(await asked(4), {gravity: [0, 0, -1.62]});
   await page.locator('tbody tr', {hasText: 'alice'}).click();  // Her client bounds.
+  await page.click('#admin-hand-tab');
   await page.locator('#admin summary').click();
   await page.getByLabel(/^Velocity/).waitFor({state: 'visible'});
   await page.getByLabel(/^c1/).waitFor({state: 'hidden'});

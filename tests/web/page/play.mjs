@@ -90,6 +90,7 @@ export class Play {
     this.robots = [];  // {state, hand, flags} of those on the scene's seats
     this.modelled = true;  // whether clients have local models
     this.guided = ['rail', 'honey', 'wind'];  // names of the scene's guides
+    this.names = ['alice', 'bob', 'carol', 'dave'];  // of clients; others are guests
     this.reasons = null;  // of every hand; null: what it does
     this.balance = null;  // [J] of every account; null: some
     this.began = process.hrtime.bigint();
@@ -134,7 +135,7 @@ export class Play {
 
   sessions() {
     const sessions = Array.from({length: this.hands}, (_, i) => ({
-      number: i + 1, tool: i === 1 ? 'peg' : 'tip', client: ['alice', 'bob', 'carol', 'dave'][i] ?? `guest${i}`, device: i === 1 ? 'simulated' : 'falcon', session: `${4711 + i}`, mode: i === 1 ? 'contact_frame' : 'shaped', side: i === 1 ? 'server' : 'client', rate_hz: 1000,
+      number: i + 1, tool: i === 1 ? 'peg' : 'tip', client: this.names[i] ?? `guest${i}`, device: i === 1 ? 'simulated' : 'falcon', session: `${4711 + i}`, mode: i === 1 ? 'contact_frame' : 'shaped', side: i === 1 ? 'server' : 'client', rate_hz: 1000,
       packet_hz: 500, round_trip_ms: i === 3 ? null : 3.1 + i, loss: i === 1 ? 0.013 : 0, delivered_j: this.energy[i].delivered,
       samples: Math.floor(1000 * (this.time - 100)), seconds: this.time - 100,
       wakeups: i === 0 ? this.#counts(0) : null, round_trips: i === 0 ? this.#counts(2) : null,

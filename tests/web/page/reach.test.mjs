@@ -23,7 +23,7 @@ const overflowing = () => page.evaluate(() => {
   const name = (element) => element.tagName.toLowerCase() + (element.id ? `#${element.id}` : '') + (element.className ? `.${element.className}` : '');
   const found = document.documentElement.scrollWidth > innerWidth ? [`the page: ${document.documentElement.scrollWidth} of ${innerWidth} px`] : [];
   for (const element of document.body.querySelectorAll('*')) {
-    if (!element.checkVisibility() || element.closest('#labels, .drawing, #sessions, .arrow')) continue;  // Their content is drawn, and may end at the edge.
+    if (!element.checkVisibility() || element.closest('#labels, .drawing, .arrow')) continue;  // Their content is drawn, and may end at the edge.
     const style = getComputedStyle(element);
     const {left, right} = element.getBoundingClientRect();
     if (left < -1 || right > innerWidth + 1) found.push(`${name(element)}: from ${Math.round(left)} to ${Math.round(right)} px`);
@@ -36,9 +36,10 @@ const overflowing = () => page.evaluate(() => {
 /** @returns {Promise<string[]>} all that axe-core finds wrong, and each text whose contrast it cannot tell, but for
  *   texts of a letter or a sign */
 async function faults() {
+  await page.evaluate(() => scrollTo(0, 0));  // Else the header lies over what was scrolled below it.
   await page.evaluate(axe.source);
   return page.evaluate(async (tags) => {
-    const {violations, incomplete} = await window.axe.run({exclude: ['#labels']}, {runOnly: tags, resultTypes: ['violations', 'incomplete']});
+    const {violations, incomplete} = await window.axe.run(document.querySelector('dialog[open]') ?? document, {runOnly: tags, resultTypes: ['violations', 'incomplete']});
     const judged = ({any}) => !['shortTextContent', 'nonBmp'].includes(any[0]?.data?.messageKey);
     const unknown = incomplete.filter(({id}) => id === 'color-contrast').map(({id, nodes}) => ({id, nodes: nodes.filter(judged)}));
     return [...violations, ...unknown].flatMap(({id, nodes}) => nodes.map(({target, any, all, none}) => (

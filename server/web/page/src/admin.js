@@ -1,6 +1,8 @@
 // The admin's panel: knobs for materials, gravity and the chosen session. Everyone sees their values; an admin turns them. The server
 // judges every value; what it refuses is said here.
 
+import {make, makeTabs} from './elements.js';
+
 const PERIOD = 150;  // [ms] between two messages of a knob that is dragged
 const PER_DECADE = 100;  // steps of the stiffness slider
 
@@ -31,13 +33,6 @@ const BOUND = [
   ['tool_mass', 'Mass of its tool', 'kg'],
 ];
 
-/** @param {string} tag @param {object} properties @param {...(Node | string)} children */
-export function make(tag, properties, ...children) {
-  const made = Object.assign(document.createElement(tag), properties);
-  made.append(...children);
-  return made;
-}
-
 /** A row with a number, kept in `inputs` by its field. @param {Map<string, HTMLInputElement>} inputs */
 function numberRow(inputs, [field, label, unit], properties) {
   const input = make('input', {type: 'number', step: 'any', min: 0, ...properties});
@@ -67,8 +62,9 @@ export class Admin {
     this.#build();
     button.onclick = () => {
       panel.hidden = !panel.hidden;
+      document.body.classList.toggle('administers', !panel.hidden);
       button.setAttribute('aria-expanded', String(!panel.hidden));
-      if (!panel.hidden) panel.querySelector('input:not(:disabled), select')?.focus();
+      if (!panel.hidden) panel.querySelector('input:not(:disabled), [role=tab][aria-selected=true]')?.focus();
     };
   }
 
@@ -136,8 +132,8 @@ export class Admin {
 
   #build() {
     const {panel} = this;
-    this.lock = make('form', {}, make('label', {}, 'Token of an admin ', this.token = make('input', {type: 'password', autocomplete: 'off', required: true})),
-      make('button', {}, 'Unlock'));
+    this.lock = make('form', {}, make('p', {}, 'Locked: everyone sees these values, and an admin changes them.'),
+      make('label', {}, make('span', {}, 'Token of an admin'), this.token = make('input', {type: 'password', autocomplete: 'off', required: true}), make('button', {}, 'Unlock')));
     this.lock.onsubmit = (event) => {
       event.preventDefault();
       this.send({admin: this.token.value.trim()});
@@ -181,18 +177,25 @@ export class Admin {
     const reload = make('button', {onclick: () => this.send({reload: true})}, 'Reload the scene’s file');
     const record = make('button', {onclick: () => this.send({record: true}), title: 'the last ten seconds of the scene, to a file on the server’s machine'}, 'Write a flight record');
 
-    this.knobs = make('fieldset', {}, ...rows, this.gravity, this.who,
-      make('p', {className: 'law'}, mode, ' ', projection, ' ', storage, ' ', this.evict), this.more, this.fixed, this.link, this.lead, this.answer,
-      make('p', {}, reload, ' ', record));
+    const parts = {
+      Object: [this.object, make('fieldset', {}, ...rows)],
+      Hand: [this.who, make('fieldset', {}, make('p', {className: 'law'}, mode, ' ', projection, ' ', storage), this.fixed, this.more, this.link, this.lead, this.answer, make('p', {}, this.evict))],
+      Scene: [make('fieldset', {}, this.gravity, make('p', {}, reload), make('p', {}, record))],
+    };
     this.said = make('output', {id: 'admin-said'});
-    panel.append(this.lock, make('h3', {}, 'Object'), this.object, this.knobs, this.said);
+    const pages = makeTabs('admin', parts);
+    this.knobs = panel.getElementsByTagName('fieldset');
+    panel.append(this.lock, pages.tabs, ...pages.pages, this.said);
     this.#unlock(false);
     this.choose(undefined);
   }
 
   #unlock(admin) {
     this.lock.hidden = admin;
-    this.knobs.disabled = !admin;
+    for (const knobs of this.knobs) {
+      knobs.disabled = !admin;
+      knobs.title = admin ? '' : 'Locked: an admin’s token unlocks it';
+    }
   }
 
   #say(level, text) {

@@ -1,8 +1,9 @@
 // The live page: connects, keeps the newest picture, and draws.
 
-import {Admin, make} from './admin.js';
+import {Admin} from './admin.js';
 import {Connection} from './connection.js';
 import {makeContext} from './context.js';
+import {make} from './elements.js';
 import {Foxglove} from './foxglove.js';
 import {Hands} from './hands.js';
 import {Labels} from './labels.js';
@@ -30,8 +31,8 @@ const view = makeView();
 const hands = new Hands();
 const plots = new Plots(element('plots'));
 const why = new Why(element('sentence'), element('reasons'));
-const sessions = new Sessions(document.querySelector('#sessions table'), choose);
-const labels = new Labels(element('labels'));
+const sessions = new Sessions(document.querySelector('#sessions table'), element('columns'), choose);
+const labels = new Labels(element('labels'), [element('scales')]);
 const admin = new Admin(element('admin'), element('admin-open'), (message) => connection.send(message));
 const foxglove = new Foxglove(element('foxglove'));
 const times = new Times(element('times'), () => page.scene, () => ({name: sessions.name(page.chosen), session: sessions.sessions.get(page.chosen)}));
@@ -184,7 +185,11 @@ function writeTexts() {
   const hand = hands.all.get(page.chosen);
   const name = page.chosen === null ? 'No hand' : sessions.name(page.chosen);
   const title = name === `hand ${page.chosen}` || page.chosen === null ? name : `${name}, hand ${page.chosen}`;
-  for (const id of ['chosen', 'why-name']) if (element(id).textContent !== title) element(id).textContent = title;
+  for (const id of ['chosen', 'why-name']) {
+    if (element(id).title === title) continue;
+    element(id).textContent = words.middle(title, 40);
+    element(id).title = title;
+  }
   why.show(hand, page.pictures > 0, sessions.sessions.get(page.chosen));
   sessions.show(hands.all, page.chosen);
   admin.choose(sessions.sessions.get(page.chosen));
@@ -280,6 +285,7 @@ function step(now) {
 }
 
 let pressed = null;
+element('canvas').addEventListener('pointermove', (event) => (element('canvas').title = labels.cutName(event.clientX, event.clientY)));
 element('canvas').addEventListener('pointerdown', (event) => (pressed = {x: event.clientX, y: event.clientY}));
 element('canvas').addEventListener('pointerup', (event) => {
   if (!pressed || Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) > 5) return;  // That was a turn of the camera.

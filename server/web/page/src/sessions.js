@@ -1,43 +1,42 @@
-// The table of all sessions; a row chooses its hand.
+// The table of all sessions; a row chooses its hand. On a phone each row is a card.
 
-import * as words from './words.js';
+import {COLUMNS, columnsThatFit, compare} from './columns.js';
+import {make} from './elements.js';
+import {forGood} from './kept.js';
 
-/** Heading, unit or explanation, and how a session's value is written. */
-const COLUMNS = [
-  ['Hand', 'number of the session', (s) => `${s.number}`],
-  ['Client', 'name that the token gives', (s) => s.client ?? '–'],
-  ['Device', '', (s) => s.device ?? '–'],
-  ['Force', 'rendered by the device now', (s, hand) => (hand ? words.force(hand.rendered) : '–')],
-  ['Bounded by', 'why less force is rendered than the scene asks for; the strip says it in words', (s, hand, reasons) => (
-    [...new Set(hand?.activeReasons().map((bit) => reasons[bit]).filter((reason) => reason && reason.cuts !== false)
-      .map((reason) => reason.name).sort())].join(', ') || '–')],
-  ['Round trip', 'of a sample and its reply', (s) => words.number(s.round_trip_ms, 1, 'ms')],
-  ['Late', 'servo ticks that came a whole period late or more', (s) => (s.late_ticks ?? '–').toLocaleString('en')],
-  ['Loss', 'of datagrams', (s) => words.percent(s.loss ?? null)],
-  ['Delivered', 'energy to the hand; negative: the hand gave', (s) => words.energy(s.delivered_j)],
-  ['Servo', 'rate of the device', (s) => words.number(s.rate_hz, 0, 'Hz')],
-  ['Packets', 'rate of datagrams', (s) => words.number(s.packet_hz, 0, 'Hz')],
-  ['Mode', 'how forces are bounded', (s) => [s.mode, s.side && `at the ${s.side}`].filter(Boolean).join(', ') || '–'],
-  ['Samples', 'since the session began', (s) => (s.samples ?? '–').toLocaleString('en')],
-  ['Time', 'since the session began', (s) => words.duration(s.seconds)],
-];
+const KEY = 'feltwire-columns';
+const LETTER = 7.6;  // [px]
+const SORT_PERIOD = 2000;  // [ms] in which values may change their order before rows do
+const CARD = 80;  // [letters] of columns that a card has unless the user chooses
+
+/** @returns {Map<string, boolean>} columns that the user chose, as the browser kept them */
+function keptColumns() {
+  try {
+    return new Map(Object.entries(JSON.parse(forGood.get(KEY) ?? '{}')));
+  } catch {
+    return new Map();
+  }
+}
 
 export class Sessions {
-  /** @param {HTMLTableElement} table @param {(number: number) => void} choose */
-  constructor(table, choose) {
+  /** @param {HTMLTableElement} table @param {HTMLElement} menu for the choice of columns and order @param {(number: number) => void} choose */
+  constructor(table, menu, choose) {
     this.choose = choose;
+    this.table = table;
     this.rows = new Map();
     this.sessions = new Map();
     this.reasons = [];  // of the server's hello
-    const head = table.createTHead().insertRow();
-    for (const [name, hint] of COLUMNS) {
-      const cell = document.createElement('th');
-      cell.scope = 'col';
-      cell.textContent = name;
-      cell.title = hint;
-      head.append(cell);
-    }
+    this.chosenColumns = keptColumns();
+    this.shown = COLUMNS.map(() => true);
+    this.order = {column: 0, down: false};
+    this.sortedAt = 0;
+    this.#makeHead();
     this.body = table.createTBody();
+    this.#makeMenu(menu);
+    this.cards = matchMedia('(max-width: 760px)');
+    this.cards.addEventListener('change', () => this.#fit());
+    new ResizeObserver(() => this.#fit()).observe(table.parentElement);
+    this.#fit();
   }
 
   /** @param {object[]} sessions of the server's message */
@@ -52,27 +51,103 @@ export class Sessions {
 
   /** @param {Map<number, import('./hands.js').Hand>} hands @param {number | null} chosen */
   show(hands, chosen) {
-    const numbers = [...new Set([...this.sessions.keys(), ...hands.keys()])].sort((a, b) => a - b);
+    const numbers = [...new Set([...this.sessions.keys(), ...hands.keys()])];
     for (const [number, row] of this.rows) {
       if (numbers.includes(number)) continue;
       row.remove();
       this.rows.delete(number);
     }
-    numbers.forEach((number, place) => {
-      const row = this.rows.get(number) ?? this.#makeRow(number, place);
+    const before = this.rows.size;
+    for (const number of numbers) {
+      const row = this.rows.get(number) ?? this.#makeRow(number);
       row.setAttribute('aria-selected', String(number === chosen));
       const session = this.sessions.get(number) ?? {number};
-      COLUMNS.forEach(([, , write], i) => {
-        const text = write(session, hands.get(number), this.reasons);
-        if (row.cells[i].textContent !== text) row.cells[i].textContent = text;
+      COLUMNS.forEach(({write, full, text}, i) => {
+        const written = write(session, hands.get(number), this.reasons);
+        const cell = row.cells[i];
+        if (cell.textContent === written) return;
+        cell.textContent = written;
+        if (text) cell.title = full?.(session) ?? written;
       });
+    }
+    const idle = !this.body.matches(':hover') && !this.body.contains(document.activeElement);
+    if (this.rows.size > before || (idle && performance.now() - this.sortedAt > SORT_PERIOD)) this.#sort(hands);
+    this.hands = hands;
+  }
+
+  #sort(hands) {
+    this.sortedAt = performance.now();
+    const {column, down} = this.order;
+    const {value, write} = COLUMNS[column];
+    const values = new Map([...this.rows.keys()].map((number) => {
+      const session = this.sessions.get(number) ?? {number};
+      return [number, value ? value(session, hands.get(number)) : write(session, hands.get(number), this.reasons)];
+    }));
+    const sorted = [...this.rows.keys()].sort((a, b) => (down ? -1 : 1) * compare(values.get(a), values.get(b)) || a - b).map((number) => this.rows.get(number));
+    if (sorted.some((row, i) => row !== this.body.rows[i])) this.body.append(...sorted);
+  }
+
+  /** @param {number} column by which rows are sorted; once more: the other way round */
+  #sortBy(column, down = this.order.column === column && !this.order.down) {
+    this.order = {column, down};
+    this.headings.forEach((heading, i) => (heading.ariaSort = i !== column ? 'none' : down ? 'descending' : 'ascending'));
+    this.sorting.value = String(column);
+    this.#sort(this.hands ?? new Map());
+  }
+
+  #makeHead() {
+    const head = this.table.createTHead().insertRow();
+    this.headings = COLUMNS.map(({name, hint, text}, i) => {
+      const button = make('button', {title: `${hint || name}. Click to sort.`, onclick: () => this.#sortBy(i)}, name);
+      const cell = make('th', {scope: 'col', className: text ? 'text' : ''}, button);
+      cell.ariaSort = i === 0 ? 'ascending' : 'none';
+      head.append(cell);
+      return cell;
     });
   }
 
-  #makeRow(number, place) {
-    const row = this.body.insertRow(Math.min(place, this.body.rows.length));
+  #makeMenu(menu) {
+    this.boxes = COLUMNS.map(({name}) => make('input', {type: 'checkbox', onchange: (event) => this.#chooseColumn(name, event.target.checked)}));
+    this.sorting = make('select', {onchange: (event) => this.#sortBy(Number(event.target.value), false)}, ...COLUMNS.map(({name}, i) => new Option(name, String(i))));
+    const byWidth = make('button', {title: 'Show the columns that fit', onclick: () => this.#chooseColumn(null)}, 'By width');
+    menu.append(make('summary', {}, 'Columns'), make('div', {}, make('label', {}, 'Sort by ', this.sorting), byWidth,
+      ...COLUMNS.map(({name}, i) => make('label', {}, this.boxes[i], ` ${name}`))));
+  }
+
+  /** @param {string | null} name null: none is chosen any more */
+  #chooseColumn(name, shown) {
+    if (name === null) this.chosenColumns.clear();
+    else this.chosenColumns.set(name, shown);
+    forGood.set(KEY, JSON.stringify(Object.fromEntries(this.chosenColumns)));
+    this.#fit();
+  }
+
+  /** Shows the columns that the user chose, and others while there is room. */
+  #fit() {
+    this.shown = columnsThatFit(this.cards.matches ? CARD : this.table.parentElement.clientWidth / LETTER, this.chosenColumns);
+    const wide = COLUMNS.reduce((sum, column, i) => sum + (this.shown[i] ? column.wide : 0), 0);
+    this.table.style.minWidth = this.cards.matches ? '' : `${Math.floor(wide * LETTER)}px`;
+    this.headings.forEach((cell, i) => {
+      cell.style.width = `${(100 * COLUMNS[i].wide) / wide}%`;
+      cell.hidden = !this.shown[i];
+      this.boxes[i].checked = this.shown[i];
+    });
+    for (const row of this.rows.values()) this.#hideCells(row);
+  }
+
+  #hideCells(row) {
+    [...row.cells].forEach((cell, i) => (cell.hidden = !this.shown[i]));
+  }
+
+  #makeRow(number) {
+    const row = this.body.insertRow();
     row.tabIndex = 0;
-    for (let i = 0; i < COLUMNS.length; ++i) row.insertCell();
+    for (const {name, text} of COLUMNS) {
+      const cell = row.insertCell();
+      cell.className = text ? 'text' : '';
+      cell.dataset.name = name;
+    }
+    this.#hideCells(row);
     row.onclick = () => this.choose(number);
     row.onkeydown = (event) => {
       if (event.key === 'Enter') this.choose(number);

@@ -66,7 +66,9 @@ export class Why {
   show(hand, seen, session) {
     const active = hand?.activeReasons() ?? [];
     const movesRobot = active.includes(this.moving);
-    this.#write(this.text, hand ? sentence(hand, movesRobot) + accounted(hand, session, this.smallDebt) : seen ? 'No hand is in this scene yet.' : 'Nothing has come from the server yet.');
+    const said = (hand ? sentence(hand, movesRobot) + accounted(hand, session, this.smallDebt) : seen ? 'No hand is in this scene yet.' : 'Nothing has come from the server yet.');
+    this.#write(this.text, said);
+    if (this.text.title !== said) this.text.title = said;  // Where it is cut.
     this.items.forEach(({item, share}, bit) => {
       item.hidden = !active.includes(bit);
       if (!item.hidden) this.#write(share, `${Math.max(1, Math.round(100 * hand.share[bit]))} % of the time`);

@@ -50,3 +50,11 @@ export function stepped(value, steps) {
   for (; steps < 0; ++steps) result = roundDown(result / 1.9);
   return result;
 }
+
+/** @param {string} text @param {number} most letters @returns {string} the text; a longer one without its middle, since names often differ at the end */
+export function middle(text, most) {
+  const letters = [...text];
+  if (letters.length <= most) return text;
+  const end = Math.floor((most - 1) / 2);
+  return `${letters.slice(0, most - 1 - end).join('')}…${letters.slice(-end).join('')}`;
+}
