@@ -16,7 +16,7 @@ async def feel(server: feltwire.Server, path: str, duration: float) -> float:
     """Moves a simulated hand along a path for `duration` [s]. Returns its largest force [N]."""
     largest = 0.0
     async with feltwire.aio.join(server.address, "room", fingerprint_file=server.fingerprint_file, token_file=server.token_file,
-                                 name=path, path=path, duration=duration, flight_recorder="off") as hand:
+                                 name=path, device=f"simulated:path={path}", duration=duration, flight_recorder="off") as hand:
         async for ticks in hand.batches(period=0.2):
             forces = [tick["force"] if hasattr(tick, "dtype") else tick.force for tick in ticks]
             here = max(sum(one * one for one in force) ** 0.5 for force in forces)

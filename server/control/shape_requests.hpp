@@ -4,13 +4,13 @@
 
 #include <asio/io_context.hpp>
 #include <asio/thread_pool.hpp>
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -49,7 +49,9 @@ class ShapeParts {
     std::size_t scene = 0;
     std::uint32_t version = 0;
     std::uint32_t object = 0;
-    auto operator<=>(const Key&) const = default;
+    bool operator<(const Key& other) const {
+      return std::tie(scene, version, object) < std::tie(other.scene, other.version, other.object);
+    }
   };
   struct Surface {
     std::optional<TriangleSoup> triangles{};  // empty: they are being made
