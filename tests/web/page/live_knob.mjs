@@ -34,6 +34,7 @@ try {
   await stiffness.press('Enter');
   await page.waitForFunction(() => /stiffness: must be above zero/.test(document.querySelector('#admin-said').textContent));
   await page.waitForFunction(() => document.querySelector('#admin input[type=number]').value === '300');
+  await page.click('#admin-scene-tab');
   await page.getByRole('button', {name: /Reload/}).click();
   await page.waitForFunction(() => /was reloaded/.test(document.querySelector('#log span').textContent));
   await feels(900);  // what the file says
