@@ -98,6 +98,10 @@ Identity own_identity(const SecurityOptions& config, const fs::path& folder, Mis
 std::string read_authorities(const SecurityOptions& config) {
   if (config.client_ca.empty()) return {};
   std::string authorities = read_text(config.client_ca);
+  // An empty text means that clients need no certificate, so an empty file must not pass for it.
+  if (authorities.empty())
+    throw FileError(config.client_ca.string() +
+                    ": holds no authority's certificate (it is empty); give one in PEM");
   std::error_code wrong;
   asio::ssl::context(asio::ssl::context::tls_server)
       .add_certificate_authority(asio::buffer(authorities), wrong);

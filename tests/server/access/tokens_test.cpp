@@ -273,8 +273,10 @@ TEST(State, IsCheckedAtARenewalAsAtTheStart) {
     EXPECT_THAT(again, HasSubstr(reason));
     EXPECT_EQ(again, error_of<FileError>([&] { open_security(config); })) << "as at the start";
   };
-  replace_file(config.client_ca, "nonsense", kPublic);
-  expect_refused("holds no authority's certificate");
+  for (const char* const text : {"nonsense", "\n", ""}) {
+    replace_file(config.client_ca, text, kPublic);
+    expect_refused("holds no authority's certificate");
+  }
   replace_file(config.client_ca, others, kPublic);
   std::filesystem::permissions(config.state, std::filesystem::perms::all);
   expect_refused("state");
