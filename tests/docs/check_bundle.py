@@ -25,6 +25,7 @@ class Bundle(unittest.TestCase):
         self.state, self.log = self.folder / "state", self.folder / "server.log"
         self.flights = self.folder / "flights"
         self.flights.mkdir()
+        self.out = self.folder / "out.tar.gz"
         (self.flights / "room-1.mcap").write_bytes(b"inputs of a hand")
         self.config, self.defaults = self.folder / "server.json", self.folder / "defaults"
         self.config.write_text(json.dumps({"scenes": [str(SOURCE / "scenes/room.json")], "port": 0, "metrics": "0"}))
@@ -43,9 +44,10 @@ class Bundle(unittest.TestCase):
                         *(line for line in self.key.splitlines() if not line.startswith("---"))]
 
     def bundle(self, expect=0):
-        out = self.folder / "out.tar.gz"
-        done = subprocess.run([PROGRAMS / "feltwire-bundle", out, "--config", self.config, "--defaults", self.defaults, "--state", self.state, "--flights",
-                               self.flights, "--log", self.log], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+        out = self.out
+        done = subprocess.run([PROGRAMS / "feltwire-bundle", out.name, "--config", self.config, "--defaults", self.defaults, "--state", self.state, "--flights",
+                               self.flights, "--log", self.log], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                              check=False)
         self.assertEqual(done.returncode, expect, done.stdout)
         return out, done.stdout
 
@@ -76,6 +78,17 @@ class Bundle(unittest.TestCase):
         self.assertIn("MY_PASSWORD=(removed)", members["defaults.txt"])
         self.assertIn("cores: ", members["machine.txt"])
         self.assertTrue(members["check-config.txt"])
+
+    def test_a_client_cannot_name_the_address_of_the_counters(self):
+        for mark in ("metrics", "live page"):
+            self.log.write_text(self.log.read_text() + f"[2026-11-30 07:45:59.851] [info] eve {mark}: http://127.0.0.1:1/ (client eve) joined\n")
+        out, _ = self.bundle()
+        self.assertIn("feltwire_sessions{", self.members(out)["metrics.txt"])
+
+    def test_a_name_with_a_colon_is_a_file(self):
+        self.out = self.folder / "2026-11-30T07:33.tar.gz"
+        out, _ = self.bundle()
+        self.assertIn("machine.txt", self.members(out))
 
     def test_a_secret_that_is_not_recognized_is_not_written(self):
         with self.log.open("a") as log:
