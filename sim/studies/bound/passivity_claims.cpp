@@ -118,7 +118,9 @@ long double PromiseLedger::at_stake(const Port& port, const Vec3& held) const {
 
 long double PromiseLedger::stored(Port& port, const Vec3& force, const Vec3& displacement) const {
   const long double all_at_stake = at_stake(port, force);
-  long double kept = own_sum(setup_.promise) ? 0.0L : all_at_stake;
+  // Without damping, any force is at stake without a limit. This must not become an allowance.
+  const bool limited = !own_sum(setup_.promise) && std::isfinite(all_at_stake);
+  long double kept = limited ? all_at_stake : 0.0L;
   for (const long double balance : port.balance)
     kept = std::max(kept, setup_.keeps_all ? std::abs(balance) : -balance);
   if (setup_.promise == Promise::coupling) kept = port.tool_stored;

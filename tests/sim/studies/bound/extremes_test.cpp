@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <set>
 
+#include "sim/studies/bound/passivity_claims.hpp"
 #include "tests/support/text_of.hpp"
 
 namespace feltwire::extremes_test {
@@ -73,6 +74,25 @@ TEST(Extremes, FiveTimesTheDampingIsFoundInEveryLawThatCountsOnIt) {
     EXPECT_TRUE(r.in_float.broken) << method;
   }
   EXPECT_TRUE(row(rows, "wall 1e+09 N/m; at 1e6 m", "contact_frame").in_float.broken);
+}
+
+TEST(Extremes, AForceWithoutDampingIsFound) {
+  for (const bool one_balance : {false, true})
+    for (const Promise promised : {Promise::port, Promise::port_by_axis}) {
+      PromiseLedger ledger({.promise = promised,
+                            .damping = 0.0,
+                            .rotational_damping = 0.0,
+                            .period = 1e-3,
+                            .arithmetic = kArithmetic<double>,
+                            .one_balance = one_balance});
+      const Vec3 moved(1e-3, 0.0, 0.0);
+      Command rendered;
+      ledger.rendered(rendered, rendered, moved, Vec3::Zero());
+      EXPECT_FALSE(ledger.broken());
+      rendered.elastic.x() = 1.0;
+      ledger.rendered(rendered, rendered, moved, Vec3::Zero());
+      EXPECT_TRUE(ledger.broken()) << one_balance;
+    }
 }
 
 TEST(Extremes, WhatIsToldMustBeADamping) {
