@@ -28,7 +28,7 @@ class TickWait {
     double hold_time = 0.0;      // [s] of the session
     bool reply_awaited = false;  // for the newest sample
   };
-  /// What may end a wait besides a tick.
+  /// Events that may end a wait besides a tick.
   enum class For { replies_and_stop, replies };
 
   /// Waits until the port or the stop event is ready, a tick is due, or a datagram of the emulated

@@ -230,7 +230,7 @@ class BoxTree::Building {
                 [&](const Part& part, std::size_t) { return node(tree, part, level + 1); });
   }
 
-  /// The same for a node that is already split. `child(part, place)` appends the child of a part
+  /// Appends a node that is already split. `child(part, place)` appends the child of a part
   /// that does not fit a leaf, and returns its index.
   template <class Child>
   std::uint32_t node(BoxTree& tree, const Parts& parts, const Child& child) {
