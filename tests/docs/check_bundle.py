@@ -57,11 +57,14 @@ class Bundle(unittest.TestCase):
 
     def test_what_is_in_it_and_what_is_not(self):
         planted = (f"live page: http://127.0.0.1:1/#token={self.token}\nGET /foxglove?ticket={PASSWORD}\n{self.key}\n"
-                   f"Authorization: Bearer {PASSWORD}\npassword={PASSWORD}\nhttps://anna:{PASSWORD}@lab.example/\n")
+                   f"Authorization: Bearer {PASSWORD}\npassword={PASSWORD}\nhttps://anna:{PASSWORD}@lab.example/\n"
+                   f"https://{PASSWORD}@lab.example/ GET /x?api_key={PASSWORD} bearer\t{PASSWORD} %22token%22:%22{PASSWORD}\nCookie: {PASSWORD}\n")
         self.log.write_text(planted + self.log.read_text())
         self.config.write_text(json.dumps({"scenes": [str(SOURCE / "scenes/room.json")], "record": self.token, "key": self.key, "token": PASSWORD,
-                                           "tokens": "/etc/tokens.json", "web_names": [self.token]}, indent=1))
-        self.defaults.write_text(f"FELTWIRE_SERVER_KEY={self.token}\nMY_PASSWORD={PASSWORD}\n#  secret: {PASSWORD}\n")
+                                           "tokens": "/etc/tokens.json", "web_names": [self.token], "pass": "/" + PASSWORD, "port": 6720,
+                                           "api": {"value": PASSWORD}, "more": [PASSWORD, "a\"" + PASSWORD]}, indent=1).replace('": "', '":\n "'))
+        self.defaults.write_text(f"FELTWIRE_SERVER_KEY={self.token}\nMY_PASSWORD={PASSWORD}\n#  secret: {PASSWORD}\n"
+                                 f'PASSWORD="a b {PASSWORD}"\nOPTIONS="--token {PASSWORD} --port 1"\nTOKEN=/{PASSWORD}\n export X={PASSWORD}\nFELTWIRE_SERVER_PORT=6720\n')
         out, _ = self.bundle()
         self.assertEqual(stat.S_IMODE(out.stat().st_mode), 0o600)
         members = self.members(out)
@@ -75,7 +78,9 @@ class Bundle(unittest.TestCase):
         self.assertIn("key.pem", members["state.txt"])
         self.assertIn("room.json", members["server.json"])
         self.assertIn("/etc/tokens.json", members["server.json"])
+        self.assertIn('"port": 6720', members["server.json"])
         self.assertIn("MY_PASSWORD=(removed)", members["defaults.txt"])
+        self.assertIn("FELTWIRE_SERVER_PORT=6720", members["defaults.txt"])
         self.assertIn("cores: ", members["machine.txt"])
         self.assertTrue(members["check-config.txt"])
 
