@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <stdexcept>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -82,6 +83,10 @@ std::unique_ptr<CallerDevice> caller_device(const HandRequest& request, ClientOp
     refuse(request, "stale_after must be from 0.001 s to less than a quarter of the hold time, " +
                         std::to_string(longest) +
                         " s; move the hand more often, or give a longer --hold-time");
+  if (options.device.name != "caller")
+    refuse(request, "device: " + std::string(request.device) +
+                        " has more than settings; write it as caller:map_scale=2, and "
+                        "--help-all of feltwire-client lists the settings");
   options.device_kind = "caller";
   options.takes = {};  // a person may hold what the program moves
   return std::make_unique<CallerDevice>(requested_spec(options.device.spec, "simulated").spec,

@@ -254,6 +254,13 @@ TEST_F(CApi, WrongArgumentsAreNamed) {
   given.stale_after = 5.0;
   EXPECT_EQ(fw_hand_open(&given, &hand), FW_ERROR_ARGUMENT);
   EXPECT_THAT(fw_last_error(), HasSubstr("stale_after"));
+  for (const char* misspelled :
+       {"caller:map_scal=2", "caller:,map_scale=2", "caller:map_scale=2:a"}) {
+    given = options();
+    given.device = misspelled;
+    EXPECT_EQ(fw_hand_open(&given, &hand), FW_ERROR_ARGUMENT) << misspelled;
+    EXPECT_THAT(fw_last_error(), HasSubstr("caller:map_scale=2"));
+  }
   given = options();
   given.scene = "no_such_scene";
   EXPECT_EQ(fw_hand_open(&given, &hand), FW_ERROR_REFUSED);
