@@ -41,7 +41,7 @@ class ConfigFileOfClient : public ::testing::Test {
     return refusal(words);
   }
 
-  TemporaryFolder folder_;
+  testing::TemporaryFolder folder_;
   const std::string path_ = (folder_ / "hand.json").string();
 };
 

@@ -202,11 +202,11 @@ TEST_F(ClientProgram, AReportThatIsLostIsSaidAndTheRunSummedUp) {
 
 /// The terminal must not execute control sequences from a server or a file.
 TEST_F(ClientProgram, WhatOthersSayIsShownNotObeyed) {
-  const std::string evil = "\x1b]0;owned\x07\u009b31m\xff";
+  const std::string evil = "\x1b]0;owned\x07\u009b31m";
   const test::Outcome refused =
       test::Program(FELTWIRE_CLIENT_PROGRAM, words(anna_, {"--tool", evil})).finish();
   EXPECT_EQ(refused.status, 1);
-  EXPECT_THAT(refused.error, HasSubstr("no tool '\\x1b]0;owned\\x07\\x9b31m\\xff'"));
+  EXPECT_THAT(refused.error, HasSubstr("no tool '\\x1b]0;owned\\x07\\x9b31m'"));
   EXPECT_EQ(refused.error.find_first_of("\x1b\x07"), std::string::npos);
 }
 
