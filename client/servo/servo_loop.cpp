@@ -93,8 +93,7 @@ class Loop {
     if (!tick.due) return false;
     result_.overruns += tick.missed > 0 ? 1 : 0;
     result_.missed_deadlines += tick.missed;
-    // Before the first tick of a device there is no time to compare with.
-    if (ticked_ || !wait_.paced()) result_.wakeup_late.record(tick.late.count());
+    if (tick.late) result_.wakeup_late.record(tick.late->count());
     return true;
   }
 

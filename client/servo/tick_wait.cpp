@@ -75,17 +75,14 @@ TickWait::Due TickWait::due(Nanoseconds now, Nanoseconds last_tick, bool ticked)
   Due found;
   if (paced_) {
     found = device_due(now, last_tick, ticked);
-    if (!found.due || !ticked) return found;
-  } else {
-    const std::uint64_t passed = deadlines_.passed(now);
-    if (passed == 0) return {};
+  } else if (const std::uint64_t passed = deadlines_.passed(now); passed > 0) {
     found = {true, passed - 1, now - deadlines_.latest()};
   }
-  count(wakeups_, hand_time_limits::kWakeups, found.late);
+  if (found.late) count(wakeups_, hand_time_limits::kWakeups, *found.late);
   return found;
 }
 
-/// Time beyond one period counts as late. The first tick has no time before it.
+/// Time beyond one period counts as late.
 TickWait::Due TickWait::device_due(Nanoseconds now, Nanoseconds last_tick, bool ticked) noexcept {
   if (!device_ticked_ && now < overdue_at_) return {};
   if (!ticked) return {.due = true};

@@ -5,6 +5,8 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 
 #include "client/device/device.hpp"
 #include "client/servo/deadlines.hpp"
@@ -42,8 +44,8 @@ class TickWait {
 
   struct Due {
     bool due = false;
-    std::uint64_t missed = 0;  // deadlines that were passed over
-    Nanoseconds late{0};       // behind the deadline
+    std::uint64_t missed = 0;              // deadlines that were passed over
+    std::optional<Nanoseconds> late = {};  // behind the deadline; none for a device's first tick
   };
   /// Whether a deadline has passed, or the device's tick came or is overdue. Each due tick counts
   /// once. `ticked`: there was a tick before.

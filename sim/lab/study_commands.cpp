@@ -73,9 +73,40 @@ void add_plant(CLI::App& command, std::string& plant) {
                      "FILE.json with the motor lag, the transmission and more (docs/devices.md)");
 }
 
+/// The plant of a study, and whether the bounds know its lag.
+struct StudiedPlant {
+  std::string file;
+  bool told = false;
+
+  bool given() const { return !file.empty(); }
+  /// The plant of the file; an ideal one if none is given.
+  Plant load() const { return given() ? load_plant(file) : Plant{}; }
+  template <class Grid>
+  Grid in(Grid grid) const {
+    grid.plant = load();
+    grid.told = told;
+    return grid;
+  }
+  /// Runs the part of a study that has an ideal device, and returns its table. With a plant it only
+  /// creates the folder for the rest.
+  template <class Ideal>
+  std::string unless_given(const std::string& out, const Ideal& ideal) const {
+    if (!given()) return ideal();
+    std::filesystem::create_directories(out);
+    return {};
+  }
+};
+
+void add_studied_plant(CLI::App& command, StudiedPlant& plant) {
+  add_plant(command, plant.file);
+  command.add_flag("--told", plant.told, "The bounds use the motor lag of the plant")
+      ->needs(command.get_option("--plant"));
+}
+
 void add_zwidth(CLI::App& app) {
   struct Options {
-    std::string out = "zwidth", plant;
+    std::string out = "zwidth";
+    StudiedPlant plant;
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
@@ -87,22 +118,19 @@ void add_zwidth(CLI::App& app) {
       "docs/lab/laboratory.md explains them.\n"
       "With --plant: writes only zwidth_hands.csv, for eight hands without delay on this plant.");
   add_out(*command, o->out);
-  add_plant(*command, o->plant);
+  add_plant(*command, o->plant.file);
   command->callback([o] {
     ZWidthGrid by_hands = hands_zwidth_grid();
-    std::string table;
-    if (o->plant.empty()) {
+    by_hands.plant = o->plant.load();
+    if (o->plant.given()) by_hands.delays = {0.0};
+    const std::string table = o->plant.unless_given(o->out, [&] {
       const ZWidthGrid grid = full_zwidth_grid();
-      table = zwidth_table(write_zwidth(o->out, grid), grid);
-    } else {
-      by_hands.plant = load_plant(o->plant);
-      by_hands.delays = {0.0};
-      std::filesystem::create_directories(o->out);
-    }
+      return zwidth_table(write_zwidth(o->out, grid), grid);
+    });
     const auto cells = map_zwidth(by_hands);
     write_zwidth_hands(o->out, cells);
     std::cout << table << zwidth_hands_table(cells)
-              << placed(o->plant.empty() ? "Map and pictures" : "Table", o->out);
+              << placed(o->plant.given() ? "Table" : "Map and pictures", o->out);
   });
 }
 
@@ -158,26 +186,6 @@ void add_frontier(CLI::App& app) {
   });
 }
 
-/// The plant of a study, and whether the bounds know its lag.
-struct StudiedPlant {
-  std::string file;
-  bool told = false;
-
-  bool given() const { return !file.empty(); }
-  template <class Grid>
-  Grid in(Grid grid) const {
-    if (given()) grid.plant = load_plant(file);
-    grid.told = told;
-    return grid;
-  }
-};
-
-void add_studied_plant(CLI::App& command, StudiedPlant& plant) {
-  add_plant(command, plant.file);
-  command.add_flag("--told", plant.told, "The bounds use the motor lag of the plant")
-      ->needs(command.get_option("--plant"));
-}
-
 void add_rate(CLI::App& app) {
   struct Options {
     std::string out = "rate";
@@ -194,16 +202,13 @@ void add_rate(CLI::App& app) {
   add_out(*command, o->out);
   add_studied_plant(*command, o->plant);
   command->callback([o] {
-    std::string table;
-    if (o->plant.given()) {
-      std::filesystem::create_directories(o->out);
-    } else {
+    const std::string table = o->plant.unless_given(o->out, [&] {
       const RateGrid grid;
       const auto cells = run_rate(grid);
       const auto costs = measure_rate_cost();
       write_rate(o->out, grid, cells, costs);
-      table = rate_table(cells) + '\n' + rate_cost_table(grid, costs);
-    }
+      return rate_table(cells) + '\n' + rate_cost_table(grid, costs);
+    });
     const auto by_hands = run_rate(o->plant.in(hands_rate_grid()));
     write_rate_hands(o->out, by_hands);
     std::cout << table << rate_hands_table(by_hands)
@@ -236,16 +241,13 @@ void add_where_to_bound(CLI::App& app, int& status) {
                    "must fail")
       ->capture_default_str();
   command->callback([o, &status] {
-    std::string table;
     bool hold = true;
-    if (o->plant.given()) {
-      std::filesystem::create_directories(o->out);
-    } else {
+    const std::string table = o->plant.unless_given(o->out, [&] {
       const auto cells = run_where_to_bound(o->grid);
       write_where_to_bound(o->out, cells);
-      table = where_to_bound_table(cells);
       hold = bounds_hold(cells);
-    }
+      return where_to_bound_table(cells);
+    });
     WhereToBoundGrid hands = o->plant.in(hands_where_to_bound_grid());
     hands.assumed_damping = o->grid.assumed_damping;
     const auto by_hands = run_where_to_bound(hands);

@@ -7,6 +7,7 @@
 
 #include "client/hands/simulated_device.hpp"
 #include "core/bounding/account.hpp"
+#include "core/bounding/device_account.hpp"
 #include "core/scene/scene.hpp"
 #include "sim/studies/bound/in_float.hpp"
 #include "sim/studies/bound/stress_inputs.hpp"
@@ -119,13 +120,16 @@ Promise promise_in_session(const BasicBoundingMethod<Real>& method, const Faults
   return method.shapes ? Promise::port : promise(method, faults);
 }
 
-/// The account of a device of unknown mass, before which any hand may stand.
-AccountConfig account_config(const BoundingConfig& bound) {
-  AccountConfig config;
-  config.period = bound.period;
-  config.translation.damping = bound.damping;
-  config.rotation.damping = bound.rotational_damping;
-  return config;
+/// The account of a device of unknown mass, that any hand may hold. It looks ahead, as a session's
+/// does behind a method that shapes.
+AccountConfig looking_ahead(const BoundingConfig& bound) {
+  DeviceSpec device;
+  device.damping = bound.damping;
+  device.rotational_damping = bound.rotational_damping;
+  device.rotation_actuated = 3;
+  AccountConfig account = any_hand_account(device, bound.period);
+  account.looks_ahead = true;
+  return account;
 }
 
 /// A method as a session runs it: the bound, then the account if the method shapes. The account
@@ -135,7 +139,7 @@ class BoundInSession {
  public:
   BoundInSession(const BasicBoundingMethod<Real>& method, const BoundingConfig& config)
       : bounding_(method, config) {
-    if (method.shapes) account_.emplace(account_config(config));
+    if (method.shapes) account_.emplace(looking_ahead(config));
   }
 
   BasicBounded<Real> step(const BasicBoundingStep<Real>& told) {
