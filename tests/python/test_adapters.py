@@ -159,6 +159,10 @@ class LeRobot(StandIns):
             with self.assertRaises(self.stand_in["lerobot__utils__errors"].DeviceNotConnectedError):
                 hand.get_action()
 
+    def test_an_option_that_is_a_field_is_refused_with_the_field(self):
+        with self.assertRaisesRegex(ValueError, "'stiffness', which has a field of its own"):
+            make_device(self.config(options={**WORLD, "stiffness": 100.0})).connect()
+
     def test_feedback_is_felt_and_fades(self):
         hand = make_device(self.config(stiffness=STIFFNESS, options=WORLD))
         self.assertEqual(set(hand.feedback_features), {*(f"{what}_{axis}" for what in ("force", "torque") for axis in "xyz"), "stiffness"})
@@ -266,6 +270,10 @@ class Isaac(StandIns):
     def make(self, retargeters=None, **options):
         isaac = importlib.import_module("feltwire.isaac")
         return isaac.FeltDevice(isaac.FeltDeviceCfg(stiffness=STIFFNESS, options={**WORLD, **options}), retargeters)
+
+    def test_an_option_that_is_a_field_is_refused_with_the_field(self):
+        with self.assertRaisesRegex(ValueError, "'device', which has a field of its own; set device='simulated'"):
+            self.make(device="simulated")
 
     def test_forces_are_felt_and_a_stale_one_fades_to_zero(self):
         device = self.make()

@@ -97,10 +97,17 @@ class Recorders(unittest.TestCase):
             with hand.record(self.file) as recorder:
                 with self.assertRaisesRegex(ValueError, "has a zero byte"):
                     recorder.mark("grasped\0 by the wrong end")
+                for text in (b"grasped", None, 5):
+                    with self.subTest(text), self.assertRaisesRegex(ValueError, f"not {text!r}"):
+                        recorder.mark(text)
         with self.server.admin() as admin, self.assertRaisesRegex(ValueError, "has a zero byte"):
             admin.request("set", "--object", "desk\0top", "--stiffness", 500)
+        with self.server.admin() as admin, self.assertRaisesRegex(ValueError, "b'desk' is no text, number or path"):
+            admin.request("set", "--object", b"desk", "--stiffness", 500)
         with self.assertRaisesRegex(ValueError, "has a zero byte"):
             self.server.join(device="simulated:path=press\0slide")
+        with self.assertRaisesRegex(ValueError, "b'none' is no text, number or path"):
+            self.server.join(mode=b"none")
 
     def test_it_may_be_closed_after_its_hand(self):
         with self.server.join(**PATIENT) as hand:

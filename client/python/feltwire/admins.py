@@ -6,7 +6,7 @@ from . import abi
 from .access import set_access
 from .handle import Handle, _raise
 from .library import BLOCKING
-from .options import words as words_of
+from .options import word, words as words_of
 from .values import name_bytes
 
 
@@ -35,7 +35,7 @@ class Admin(Handle):
     def request(self, *words):
         """Runs a command with the words of `feltwire-client admin`: request("set", "--object", "table", "--stiffness", 500). Returns its
         answer with --json as lists and dictionaries."""
-        encoded = [name_bytes(str(word)) for word in words]
+        encoded = [name_bytes(word(one)) for one in words]
         answer = ctypes.c_char_p()
         with self._lock:
             result = BLOCKING.fw_admin_request(self._open(), (ctypes.c_char_p * len(encoded))(*encoded), len(encoded), answer)

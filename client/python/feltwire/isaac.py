@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence
 
 from .errors import Error
+from .options import further
 
 if TYPE_CHECKING:
     FeltDevice: Any
@@ -63,7 +64,7 @@ def _felt_device() -> Any:
         def __init__(self, cfg: FeltDeviceCfg, retargeters: Optional[Sequence[Any]] = None):
             super().__init__(list(retargeters) if retargeters is not None else list(cfg.retargeters))
             self.cfg = cfg
-            self.hand = World(stiffness=cfg.stiffness, device=cfg.device, **cfg.options)
+            self.hand = World(stiffness=cfg.stiffness, device=cfg.device, **further(cfg.options, "stiffness", "device"))
             self._callbacks: Dict[Any, Callable[[], Any]] = {}
             self._time: Optional[float] = None  # [s] of the pose that the simulation has
             self._ended = False

@@ -8,6 +8,8 @@ from __future__ import annotations
 import math
 from typing import Any, Dict, Optional
 
+from .options import further
+
 _POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 _FELT = tuple(f"{what}_{axis}" for what in ("force", "torque", "scene_force") for axis in "xyz") + ("reduced", "account_cut", "no_force")
 _FEEDBACK = tuple(f"{what}_{axis}" for what in ("force", "torque") for axis in "xyz") + ("stiffness",)
@@ -48,7 +50,8 @@ class HandTeleoperator:
         if self._hand is not None:
             raise self._already_connected(f"{self} is already connected")
         config = self.config
-        options: Dict[str, Any] = {"device": config.device, **config.options}
+        fields = ("server", "scene", "fingerprint_file", "token_file", "device", "stiffness")
+        options: Dict[str, Any] = {"device": config.device, **further(config.options, *fields)}
         if config.server:
             from .hand import join
             self._hand = join(config.server, config.scene, fingerprint_file=config.fingerprint_file, token_file=config.token_file, **options)

@@ -32,9 +32,9 @@ class Recorder(Handle):
 
     def mark(self, text: str) -> None:
         """Writes a text at this moment into the recording: a metadata record `mark` with `text` and `time` [ns since 1970]. Raises ValueError
-        for a text that UTF-8 does not have, and Error if the file can be written no more."""
+        for what is no text or has no UTF-8, and Error if the file can be written no more."""
         with self._lock:
-            result = BLOCKING.fw_recorder_mark(self._open(), name_bytes(str(text)))
+            result = BLOCKING.fw_recorder_mark(self._open(), name_bytes(text))
         if result != abi.OK:
             _raise(result)
 
