@@ -220,6 +220,7 @@ TEST_F(Hapi, TheEndTakesTheForceOff) {
     const OpenedDevice opened = open();
     Servo servo = servo_of(opened);
     feel(*opened.device, servo);
+    board.loses = 1;
   }
   test::eventually("it is let go", [&] { return board.force == 0.0; });
 }
@@ -236,24 +237,14 @@ TEST_P(HapiFault, LetsTheForceGoAndIsOver) {
   Servo servo = servo_of(opened);
   feel(*opened.device, servo);
   const std::uint64_t faults = servo.statistics().device_faults;
-  std::atomic<int>& wanted = board.*GetParam().count;
-  const auto strike = [&] {
-    session.strike(board.edge);
-    wanted = 1;
-  };
-  strike();
-  session.run(*opened.device, servo, [&] {
-    const bool seen = servo.statistics().device_faults > faults;
-    // After a late tick the arm may have moved this far. The test then makes another jump.
-    if (!seen && wanted == 0 && &wanted == &board.jumps) strike();
-    return seen;
-  });
+  session.suffer(*opened.device, servo, board.edge, board.*GetParam().count);
   EXPECT_EQ(servo.given(), Command{});
-  // A single faulty tick must suffice.
-  test::eventually("it is let go", [&] { return board.force == 0.0; });
+  // A single faulty tick suffices, but the lost frame can be the one that takes the force off.
+  session.run(*opened.device, servo, [&] { return board.edge.ended(); });
   session.expect_let_go("hapi", GetParam().name, board.edge);
   feel(*opened.device, servo);
-  EXPECT_LT(servo.statistics().device_faults, faults + 20);
+  // A busy machine misses ticks, and each is a fault.
+  EXPECT_LT(servo.statistics().device_faults, faults + 20 + session.missed - session.struck.second);
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, HapiFault,

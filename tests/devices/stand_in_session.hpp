@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <deque>
@@ -134,6 +135,23 @@ struct PacedSession {
   void strike(stand_in::ForceEdge& edge) {
     edge.strike();
     struck = {ticks, missed};
+  }
+  /// Requests a fault of the stand-in by its count `left`, and ticks until the servo has counted a
+  /// fault. A late tick can hide a late answer or a jump, so a fault that stays unseen is requested
+  /// again.
+  void suffer(Device& device, Servo& servo, stand_in::ForceEdge& edge, std::atomic<int>& left) {
+    constexpr int kSeenWithin = 3;  // ticks
+    const std::uint64_t faults = servo.statistics().device_faults;
+    int unseen = kSeenWithin;
+    run(device, servo, [&] {
+      if (servo.statistics().device_faults > faults) return true;
+      unseen = left.load() > 0 ? 0 : unseen + 1;
+      if (unseen > kSeenWithin) {
+        strike(edge);
+        left.store(1);
+      }
+      return false;
+    });
   }
   /// Checks that the force ended in time.
   void expect_let_go(const char* device, const std::string& fault,

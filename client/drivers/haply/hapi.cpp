@@ -26,6 +26,7 @@ using std::chrono::milliseconds;
 constexpr Nanoseconds kWakesUp = milliseconds(3000);
 constexpr Nanoseconds kAsksAgain = milliseconds(300);
 constexpr int kTrials = 50;
+constexpr int kLetGoTrials = 3;      // further zero frames at the end
 constexpr double kFastest = 400.0;   // [rad/s] largest speed of an arm
 constexpr double kMostTorque = 1.0;  // largest torque; the board's unit is about 0.5 N m
 
@@ -55,6 +56,11 @@ class HapiDevice final : public LockStepDevice {
   }
   ~HapiDevice() override {
     release();
+    // A frame can be lost on the way, and the board would then hold its force for good.
+    for (int n = 0; n < kLetGoTrials; ++n) {
+      rest(monotonic_now() + kPeriod);
+      let_go();
+    }
     port_.wait(monotonic_now() + kQuiet);
   }
   HapiDevice(const HapiDevice&) = delete;
