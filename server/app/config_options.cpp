@@ -76,6 +76,9 @@ void add_serving(CLI::App& app, ServerConfig& config) {
          "Largest number of hands that viewers of the live page move at the same time, by mouse or "
          "touch. 0: none")
       ->capture_default_str();
+  app.add_flag("--demo", config.demo,
+               "Keep two simulated hands in each scene, for the live page. They are programs "
+               "feltwire-client, which must lie beside this program");
   app.add_option(
       "--metrics", config.metrics,
       "PORT or ADDRESS:PORT of the counters for Prometheus (/metrics), without the live "

@@ -205,6 +205,10 @@ void validate(const ServerConfig& config) {
   if (config.scenes.empty())
     throw std::invalid_argument(
         "no scene to serve; name one with --scene FILE or in the configuration file");
+  if (config.demo && (!config.tokens.empty() || !config.client_ca.empty()))
+    throw std::invalid_argument(
+        "--demo: its hands have a token of the state folder and no certificate; leave --tokens and "
+        "--client-ca out");
   if (const auto wrong = complaint(config)) throw std::invalid_argument(*wrong);
 }
 

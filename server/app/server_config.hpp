@@ -40,6 +40,7 @@ struct ServerConfig : SecurityOptions {
   double record_max_mib = HUGE_VAL;       // of one file of several
   double record_max_seconds = HUGE_VAL;   // the same
   std::filesystem::path flight_recorder;  // folder of flight records; empty: none
+  bool demo = false;  // two simulated hands in each scene (server/app/demo_hands.hpp)
   int web_hands = 4;  // sessions of role pointer: hands that viewers of the page hold, at once
   std::string log_level = "info";
   std::string log_format = "text";  // or json

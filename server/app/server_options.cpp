@@ -29,6 +29,8 @@ Examples, typed in the root of the repository:
          port + ", the scene on udp " + scene_port + R"(
   feltwire-server --scene scenes/room.json --scene scenes/workshop.json --address :: --port 9000
       two scenes on every network of this machine; needs tcp 9000, udp 9001 and udp 9002
+  feltwire-server --scene scenes/room.json --web 6760 --demo
+      a scene with two simulated hands, and its live page
   feltwire-server token add --client anna --scene room --role operator --expires 30d
       a token for another person; see feltwire-server token --help
   feltwire-server --config FILE --log-level debug
@@ -51,6 +53,7 @@ ShortHelp short_help() {
            {"port", "Control port (TCP). The next UDP ports are for the scenes. 0: free"},
            {"address", "IP address to listen on. '::': every network"},
            {"web", "PORT or ADDRESS:PORT of the live page (browser). 0: a free port"},
+           {"demo", "Keep two simulated hands in each scene"},
            {"record", "FILE.mcap for a recording that feltwire-lab replay can read"},
            {"flight-recorder", "Folder for recordings of the last ten seconds before a fault"},
            {"log-level", "trace, debug, info, warning, error or off"},

@@ -9,8 +9,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <sstream>
+#include <stdexcept>
 #include <string_view>
 #include <vector>
 
@@ -19,6 +21,7 @@
 #include "core/scene/scene_cost_report.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "protocol/crypto/secret.hpp"
+#include "server/app/demo_hands.hpp"
 #include "server/app/health.hpp"
 #include "server/app/known_scenes.hpp"
 #include "server/app/log_format.hpp"
@@ -36,6 +39,7 @@ namespace feltwire {
 namespace {
 
 constexpr std::chrono::milliseconds kHealthTimeout{1500};
+constexpr const char* kClient = "feltwire-client";
 
 int fail(int status, const char* what) {
   std::fprintf(stderr, "feltwire-server: %s\n", visible(what).c_str());
@@ -52,30 +56,41 @@ std::string shell_word(const std::string& word) {
   return text + "'";
 }
 
+/// Returns the path of the client in the folder of this program, or an empty path.
+std::filesystem::path client_beside() {
+  namespace fs = std::filesystem;
+  std::error_code failed;
+  const fs::path self = fs::read_symlink("/proc/self/exe", failed);
+  fs::path beside = self.parent_path() / kClient;
+  return failed || !fs::exists(beside, failed) ? fs::path() : beside;
+}
+
 /// Returns the shell command of the client: its plain name if the shell finds the client of this
 /// installation, else the path of the client in the folder of this program.
 std::string client_program() {
   namespace fs = std::filesystem;
-  constexpr const char* kName = "feltwire-client";
   std::error_code failed;
-  const fs::path self = fs::read_symlink("/proc/self/exe", failed);
-  const fs::path beside = self.parent_path() / kName;
-  if (failed || !fs::exists(beside, failed)) return kName;
+  const fs::path beside = client_beside();
+  if (beside.empty()) return kClient;
   const char* path = std::getenv("PATH");
   std::istringstream folders(path == nullptr ? "" : path);
   for (std::string folder; std::getline(folders, folder, ':');) {
-    const fs::path found = fs::path(folder) / kName;
+    const fs::path found = fs::path(folder) / kClient;
     if (folder.empty() || ::access(found.c_str(), X_OK) != 0) continue;
-    if (fs::equivalent(found, beside, failed)) return kName;
+    if (fs::equivalent(found, beside, failed)) return kClient;
     break;  // the shell would start another client
   }
   return shell_word(beside.string());
 }
 
+/// Returns the address at which this machine reaches the server.
+std::string host_of(const ServerConfig& config) {
+  return asio::ip::make_address(config.address).is_unspecified() ? "127.0.0.1" : config.address;
+}
+
 /// Returns the command line with which a client on this machine joins.
 std::string join_line(const ServerConfig& config, const Server& server) {
-  const auto address = asio::ip::make_address(config.address);
-  const std::string host = address.is_unspecified() ? "127.0.0.1" : config.address;
+  const std::string host = host_of(config);
   const auto token = local_token_file(config);
   const bool has_token = !token.empty() && std::filesystem::exists(token);
   return client_program() + " --connect " +
@@ -102,6 +117,26 @@ void print_ready(const ServerConfig& config, const Server& server) {
   std::fflush(stdout);
 }
 
+/// Starts the hands of --demo. Returns none without it.
+std::unique_ptr<DemoHands> start_demo(const ServerConfig& config, const Server& server) {
+  if (!config.demo) return nullptr;
+  DemoHandsSetup setup{.client = client_beside(),
+                       .host = host_of(config),
+                       .port = server.control_port(),
+                       .fingerprint = to_string(server.fingerprint()),
+                       .token = local_token_file(config),
+                       .logs = local_token_file(config).parent_path()};
+  if (setup.client.empty())
+    throw std::runtime_error(
+        "--demo: there is no feltwire-client beside this program; install it there");
+  for (const auto& scene : server.scenes()) setup.scenes.push_back(scene.scene);
+  auto hands = std::make_unique<DemoHands>(setup);
+  std::printf("demo: two simulated hands in each scene; what they say: %s\n",
+              visible((setup.logs / "demo-1.log").string()).c_str());
+  std::fflush(stdout);
+  return hands;
+}
+
 /// Reads the files of the configuration, and opens nothing. Throws FileError with the first that is
 /// wrong.
 int check_config(const ServerConfig& config) {
@@ -119,7 +154,8 @@ int check_config(const ServerConfig& config) {
 
 /// Serves until SIGINT or SIGTERM. Precondition: every thread blocks these signals, SIGUSR1 and
 /// SIGHUP. Returns false if a thread still hangs because a file that it reads does not answer.
-bool serve(Server& server, const sigset_t& signals, const std::string& summary) {
+/// `demo`: the hands of --demo, or null.
+bool serve(Server& server, const sigset_t& signals, const std::string& summary, DemoHands* demo) {
   const auto count = [&] {
     if (!summary.empty()) write_summary(summary, server.summary(), server.control_summary());
   };
@@ -141,6 +177,7 @@ bool serve(Server& server, const sigset_t& signals, const std::string& summary) 
   const int signal = wait_for_end(signals, {write_all, reload});
   spdlog::info("{}: saying goodbye", signal == SIGINT ? "interrupted" : "terminated");
   tell_service_manager("STOPPING=1");
+  if (demo != nullptr) demo->end();
   const bool ended = server.stop();
   try {
     count();
@@ -204,8 +241,9 @@ int server_program(int argc, char** argv, const web::MakePageHands& make_page_ha
     for (const auto& scene : server->scenes()) names.push_back(scene.scene);
     note_scenes(config, names);
     print_ready(config, *server);
+    const auto demo = start_demo(config, *server);
     tell_service_manager("READY=1");
-    if (!serve(*server, signals, asked.summary)) leave_now();
+    if (!serve(*server, signals, asked.summary, demo.get())) leave_now();
     return 0;
   } catch (const std::invalid_argument& error) {
     return fail(kBadUsage, error.what());

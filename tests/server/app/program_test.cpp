@@ -85,6 +85,30 @@ TEST(Program, ServesUntilItIsTold) {
   }
 }
 
+TEST(Program, DemoKeepsTwoHandsInItsScene) {
+  Program program({"--scene", scene_file(), "--port", "0", "--demo"});
+  std::string log;
+  for (int joined = 0; joined < 2; ++joined) {
+    log += program.error_until("joined scene wall");
+    ASSERT_FALSE(program.ended()) << log;
+  }
+  EXPECT_THAT(log, AllOf(HasSubstr("left-hand"), HasSubstr("right-hand")));
+  program.signal(SIGTERM);
+  const Outcome outcome = program.finish();
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("scene wall: sessions 2"));
+  // The hands leave before the server ends.
+  EXPECT_THAT(outcome.error, HasSubstr("the client said goodbye"));
+  EXPECT_THAT(outcome.error, Not(HasSubstr("the server")));
+}
+
+TEST(Program, DemoNeedsTheTokenOfTheStateFolder) {
+  const std::string tokens = write_file("tokens.json", "{}");
+  expect_one_line(
+      Program({"--scene", scene_file(), "--demo", "--tokens", tokens}).finish(),
+      "--demo: its hands have a token of the state folder and no certificate; leave --tokens");
+}
+
 /// A client's name may have control characters. The log must escape them.
 TEST(Program, TheLogShowsControlCharacters) {
   const testing::TemporaryFolder folder;
