@@ -43,10 +43,11 @@ import subprocess
 import sys
 import time
 
+sys.dont_write_bytecode = True  # no files beside the sources
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from stalled import MOST_STALLS, stalled  # noqa: E402
+
 LONGEST = 240.0  # [s] that a command may take
-# The words of a program that the machine left standing. Such a command is typed again.
-STALLED = ("it stood still for the hold time", "the servo loop broke off", "in a tick that held its force for")
-MOST_STALLS = 3
 READY = {"feltwire-server": "join: ", "feltwire-follower": "has the robot's seat", "feltwire-lab": "relaying: ",
          "feltwire-view": "live page: ", "feltwire-client": "round trip"}
 TERMINALS = {"server": "feltwire-server", "robot": "feltwire-follower", "hand": "feltwire-client", "relay": "feltwire-lab",
@@ -289,7 +290,7 @@ def paste(page, source, shell, port):
             else:
                 status, said = shell.run(text)
                 for _ in range(MOST_STALLS):
-                    if status in step.statuses() or not any(words in said for words in STALLED):
+                    if status in step.statuses() or not stalled(said):
                         break
                     print(f"{where}this machine had no time for it; once more", flush=True)
                     status, said = shell.run(text)
