@@ -5,7 +5,7 @@
 
 namespace feltwire {
 
-/// The server's control port (tcp). Scene i has udp port kDefaultPort + 1 + i.
+/// The server's control port (tcp). All scenes have udp port kDefaultPort + 1.
 /// IANA has assigned none of 6717 to 6766. They lie below the ports that operating systems hand out
 /// to outgoing connections (32768 and up), and below those of DDS (7400 + 250 * domain + ...),
 /// which ROS 2 uses on the machines that haptic devices are attached to.

@@ -15,7 +15,7 @@ void add_serving(CLI::App& app, ServerConfig& config) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--port", config.port,
-                 "Control port (TCP). The next UDP ports are for the scenes. 0: free ports")
+                 "Control port (TCP). The next port (UDP) is for the scenes. 0: free ports")
       ->capture_default_str();
   app.add_option("--address", config.address,
                  "IP address to listen on. '::': every network. 0.0.0.0: every IPv4 network")

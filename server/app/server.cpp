@@ -278,8 +278,8 @@ struct Server::Parts {
     return counted.get_future().get();
   }
 
-  /// Binds the control port, and the scenes' ports directly after it. A firewall can then open, and
-  /// a relay can forward, one range of ports. Returns the sockets of the scenes.
+  /// Binds the control port (TCP), and the port of the scenes (UDP) directly after it. Returns the
+  /// sockets of the scenes.
   std::vector<asio::ip::udp::socket> listen(const ServerConfig& config, const Security& security,
                                             std::size_t scenes) {
     ControlOptions options = control_options(config);
@@ -290,7 +290,7 @@ struct Server::Parts {
           [this](ControlPeer& peer, control::Message request, ControlAnswer answer) {
             service.handle(peer, std::move(request), std::move(answer));
           });
-      return open_scene_ports(io, options.address, control->port() + 1u, scenes);
+      return open_scene_sockets(io, options.address, control->port() + 1u, scenes);
     });
   }
 

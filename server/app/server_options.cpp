@@ -28,7 +28,7 @@ Examples, typed in the root of the repository:
       one scene for clients on this machine: control on tcp )" +
          port + ", the scene on udp " + scene_port + R"(
   feltwire-server --scene scenes/room.json --scene scenes/workshop.json --address :: --port 9000
-      two scenes on every network of this machine; needs tcp 9000, udp 9001 and udp 9002
+      two scenes on every network of this machine; needs tcp 9000 and udp 9001
   feltwire-server --scene scenes/room.json --web 6760 --demo
       a scene with two simulated hands, and its live page
   feltwire-server token add --client anna --scene room --role operator --expires 30d
@@ -50,7 +50,7 @@ end the program have no variable.)";
 ShortHelp short_help() {
   return {{{"config", "Configuration file (JSON). Options override it (docs/server.md)"},
            {"scene", "Scene file (JSON). Repeat the option for several scenes"},
-           {"port", "Control port (TCP). The next UDP ports are for the scenes. 0: free"},
+           {"port", "Control port (TCP). The next port (UDP) is for the scenes. 0: free"},
            {"address", "IP address to listen on. '::': every network"},
            {"web", "PORT or ADDRESS:PORT of the live page (browser). 0: a free port"},
            {"demo", "Keep two simulated hands in each scene"},

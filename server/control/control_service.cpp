@@ -168,7 +168,7 @@ void ControlService::join(PendingRequest asked, control::JoinRequest request) {
                        answer = std::move(asked.answer)](control::Message message) {
     const std::string& scene_name = hosts_[scene]->name();
     if (auto* accepted = std::get_if<control::JoinAccepted>(&message)) {
-      accepted->port_offset = static_cast<std::uint16_t>(1 + scene);
+      accepted->port_offset = port_offset(hosts_, scene);
       put_keys(keys, *accepted);
       if (ListedSession* seated = directory_.find(id)) seated->parameters = accepted->parameters;
       spdlog::info("{} joined scene {} with feltwire {}", who, scene_name,
@@ -265,7 +265,7 @@ control::Message ControlService::list_scenes(const Token& token) const {
     const SceneHost& host = *hosts_[i];
     if (!opens(token, host.name())) continue;
     result.scenes.push_back(
-        {host.name(), static_cast<std::uint16_t>(1 + i), host.objects(), host.sessions()});
+        {host.name(), port_offset(hosts_, i), host.objects(), host.sessions()});
   }
   return result;
 }

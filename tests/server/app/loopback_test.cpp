@@ -69,6 +69,26 @@ std::vector<Scene> two_scenes() {
   return {test::room(), Scene("ball", {test::room().objects()[1]})};
 }
 
+/// The kernel must give each scene the datagrams of its own sessions alone.
+TEST(Loopback, AllScenesShareAPort) {
+  Server server(any_port(), two_scenes(), test::security());
+  ControlClient control(server.control_port());
+  const test::JoinedBy room = control.join(test::join_request());
+  control::JoinRequest request = test::join_request();
+  request.scene = "ball";
+  const test::JoinedBy ball = control.join(request);
+  EXPECT_EQ(room.udp_port, ball.udp_port);
+  DatagramClient a(room), b(ball);
+  for (std::uint64_t n = 1; n <= 100; ++n) {
+    ASSERT_EQ(a.exchange(test::hand_batch(n)).sample_index, n);
+    ASSERT_EQ(b.exchange(test::hand_batch(n)).sample_index, n);
+  }
+  for (const SceneSummary& scene : server.summary()) {
+    EXPECT_EQ(scene.counters.samples.samples, 100u) << scene.scene;
+    for (const std::uint64_t drops : scene.counters.drops) EXPECT_EQ(drops, 0u) << scene.scene;
+  }
+}
+
 TEST(Loopback, TwoClientsShareAScene) {
   Server server(any_port(), two_scenes(), test::security());
   ControlClient control(server.control_port());
@@ -100,7 +120,7 @@ TEST(Loopback, TwoClientsShareAScene) {
   ASSERT_EQ(list.scenes.size(), 2u);
   EXPECT_EQ(list.scenes[0].name, "room");
   EXPECT_EQ(list.scenes[0].port_offset, 1u);
-  EXPECT_EQ(list.scenes[1].port_offset, 2u);
+  EXPECT_EQ(list.scenes[1].port_offset, 1u);
   EXPECT_EQ(list.scenes[0].objects, 2u);
   EXPECT_EQ(list.scenes[0].sessions, 2u);
   EXPECT_EQ(list.scenes[1].sessions, 0u);
