@@ -129,7 +129,7 @@ Json dropped(const TransportStatistics& transport, const ServoStatistics& servo)
   for (std::size_t i = 1; i < kDropReasons; ++i) {
     const auto reason = static_cast<DropReason>(i);
     // Only the servo detects stale replies.
-    const std::uint64_t more = reason == DropReason::stale ? servo.replies_stale : 0;
+    const std::uint64_t more = reason == DropReason::stale ? servo.replies.stale : 0;
     reasons[name(reason)] = transport.dropped[i] + more;
   }
   return reasons;
@@ -159,18 +159,19 @@ Json local_model(const Servo& servo, const std::string& contact_refused) {
   if (!servo.parameters().local_model) return nullptr;
   const ServoStatistics& s = servo.statistics();
   return {
-      {"models", s.models},
-      {"mean_patches", s.models > 0
-                           ? number(static_cast<double>(s.patches) / static_cast<double>(s.models))
+      {"models", s.local_model.received},
+      {"mean_patches", s.local_model.received > 0
+                           ? number(static_cast<double>(s.local_model.patches) /
+                                    static_cast<double>(s.local_model.received))
                            : Json(nullptr)},
-      {"with_whole_surfaces", s.whole_models},
-      {"samples_from_model", s.modelled},
-      {"samples_from_both", s.half_modelled},
-      {"samples_beyond_reach", s.beyond_model},
-      {"hand_overs", s.hand_overs},
+      {"with_whole_surfaces", s.local_model.whole},
+      {"samples_from_model", s.local_model.from_model},
+      {"samples_from_both", s.local_model.from_both},
+      {"samples_beyond_reach", s.local_model.beyond_reach},
+      {"hand_overs", s.local_model.hand_overs},
       {"contact_refused", contact_refused.empty() ? Json(nullptr) : Json(visible(contact_refused))},
-      {"contact_cut_samples", s.contact_cut},
-      {"most_contact_work", s.most_work},
+      {"contact_cut_samples", s.local_model.contact_cut},
+      {"most_contact_work", s.local_model.most_work},
       {"allowed_contact_work", allowed_work(servo)}};
 }
 
@@ -332,12 +333,12 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"duration_s", number(loop.duration)},
       {"end", name(loop.end)},
       {"samples", s.samples},
-      {"sample_datagrams", s.datagrams},
-      {"answered", s.answered},
-      {"withheld", s.withheld},
+      {"sample_datagrams", s.replies.datagrams},
+      {"answered", s.replies.answered},
+      {"withheld", s.replies.withheld},
       {"lost", servo.lost()},
-      {"late", s.late},
-      {"round_trip_us", times(s.round_trip)},
+      {"late", s.replies.late},
+      {"round_trip_us", times(s.replies.round_trip)},
       {"server_clock", clock(servo.server_clock(), servo.sample().client_time)},
       {"energy_delivered_j", energy(port.delivered())},
       {"energy_burned_j", number(port.burned())},
@@ -358,27 +359,27 @@ std::string report_json(const RunDescription& run, const Servo& servo,
       {"missed_deadlines", loop.missed_deadlines},
       {"let_go", let_go(loop)},
       {"faded_samples", s.faded},
-      {"bound_active_samples", s.bound_active},
-      {"account_cut_samples", s.account_cut},
-      {"saturated_samples", s.saturated},
-      {"waiting_samples", s.waiting},
-      {"ramped_samples", s.ramped},
-      {"slewed_samples", s.slewed},
-      {"too_fast_samples", s.too_fast},
-      {"force_limited_samples", s.force_limited},
-      {"refused_samples", s.refused},
-      {"device_faults", s.device_faults},
-      {"device_jumps", s.jumps},
+      {"bound_active_samples", s.law.bound_active},
+      {"account_cut_samples", s.law.account_cut},
+      {"saturated_samples", s.law.saturated},
+      {"waiting_samples", s.law.waiting},
+      {"ramped_samples", s.law.ramped},
+      {"slewed_samples", s.law.slewed},
+      {"too_fast_samples", s.law.too_fast},
+      {"force_limited_samples", s.law.force_limited},
+      {"refused_samples", s.law.refused},
+      {"device_faults", s.device.faults},
+      {"device_jumps", s.device.jumps},
       {"device_trouble", text_or_null(trouble_text(servo.device_trouble(), loop.duration))},
       {"device_read_us", times(loop.device.read)},
       {"device_write_us", times(loop.device.write)},
       {"device_slow_ticks", loop.device.slow},
       {"device_slow",
        text_or_null(slow_device(loop.device, servo.parameters().servo_period, loop.paced))},
-      {"stale_readings", s.stale_readings},
-      {"forces_corrected", s.forces_corrected},
-      {"replies_refused", s.replies_refused},
-      {"scene_resets", s.scene_resets},
+      {"stale_readings", s.device.stale_readings},
+      {"forces_corrected", s.device.forces_corrected},
+      {"replies_refused", s.replies.refused},
+      {"scene_resets", s.replies.scene_resets},
       {"records_dropped", loop.records_dropped},
       {"disconnections", loop.disconnections},
       {"reconnections", loop.reconnections},

@@ -32,11 +32,11 @@ int conclude(const RunOptions& options, const Servo& servo, const LoopResult& re
       "%.1f s, %llu samples, %llu datagrams lost, round trip p50 %.0f us p99 %.0f us, largest "
       "force %.2f N%s, bound violations %llu%s%s%s%s%s%s%s\n",
       result.duration, static_cast<unsigned long long>(s.samples),
-      static_cast<unsigned long long>(servo.lost()), 1e-3 * s.round_trip.quantile(0.5),
-      1e-3 * s.round_trip.quantile(0.99), s.max_force, no_force_text(s).c_str(),
+      static_cast<unsigned long long>(servo.lost()), 1e-3 * s.replies.round_trip.quantile(0.5),
+      1e-3 * s.replies.round_trip.quantile(0.99), s.max_force, no_force_text(s).c_str(),
       static_cast<unsigned long long>(servo.port().violations()),
       feel_text(servo.measures()).c_str(), cut_text(s).c_str(),
-      device_faults_text(s.device_faults, s.jumps).c_str(),
+      device_faults_text(s.device.faults, s.device.jumps).c_str(),
       result.end == EndReason::device_ended ? "; the device has no more readings" : "",
       error.empty() ? "" : ("; " + visible(error)).c_str(), reported ? ", report in " : "",
       reported ? visible(options.report->string()).c_str() : "");
@@ -60,11 +60,11 @@ RunFigures figures_of(const HandRun& hand) {
                      .samples = s.samples,
                      .missed_deadlines = run.result.missed_deadlines,
                      .wakeup_late = run.result.wakeup_late,
-                     .datagrams = s.datagrams,
+                     .datagrams = s.replies.datagrams,
                      .lost = run.servo.lost(),
                      .too_long = run.transport->statistics().too_long,
                      .shortened = run.transport->statistics().shortened,
-                     .round_trip = s.round_trip,
+                     .round_trip = s.replies.round_trip,
                      .real_time = hand.real_time(),
                      .server = hand.server()};
   if (const ClockEstimate& clock = run.servo.server_clock(); clock.known())

@@ -159,8 +159,8 @@ std::string no_force_text(const ServoStatistics& statistics) {
 }
 
 std::string cut_text(const ServoStatistics& statistics) {
-  if (statistics.contact_cut == 0) return {};
-  return ", contact cut off in " + std::to_string(statistics.contact_cut) + " ticks";
+  if (statistics.local_model.contact_cut == 0) return {};
+  return ", contact cut off in " + std::to_string(statistics.local_model.contact_cut) + " ticks";
 }
 
 std::string feel_text(const FeelMetrics& measures) {

@@ -31,14 +31,14 @@ bool explained(const DeviceReading& reading) {
 }  // namespace
 
 bool DeviceInput::waits(const DeviceReading& reading, double since, double patience,
-                        ServoStatistics& statistics) const noexcept {
+                        DeviceCounts& counts) const noexcept {
   if (reading.fresh || !reading.ok || reading.ended || !position_known_) return false;
-  ++statistics.stale_readings;
+  ++counts.stale_readings;
   return since < patience;
 }
 
 DeviceMovement DeviceInput::take(const DeviceReading& reading, double elapsed,
-                                 ServoStatistics& statistics) noexcept {
+                                 DeviceCounts& counts) noexcept {
   ended_ = ended_ || reading.ended;
   DeviceMovement movement;
   movement.jumped = good(reading) && jumps(reading, elapsed);
@@ -50,10 +50,10 @@ DeviceMovement DeviceInput::take(const DeviceReading& reading, double elapsed,
   }
   movement.fault = !ended_ && !explained(reading);
   if (movement.fault) {
-    ++statistics.device_faults;
+    ++counts.faults;
     no_position_for_ += elapsed;
   }
-  statistics.jumps += movement.jumped ? 1 : 0;
+  counts.jumps += movement.jumped ? 1 : 0;
   if (only_shown(reading)) {
     DeviceMovement shown;
     move_to(reading, shown);

@@ -34,12 +34,11 @@ class DeviceInput {
   /// Whether the servo makes no tick, because the device repeats its last reading. `since`: the
   /// last tick; `patience` [s]: for how long at most.
   bool waits(const DeviceReading& reading, double since, double patience,
-             ServoStatistics& statistics) const noexcept;
+             DeviceCounts& counts) const noexcept;
 
   /// Takes the reading of a tick, `elapsed` [s] after the one before. Across a fault no movement is
   /// known.
-  DeviceMovement take(const DeviceReading& reading, double elapsed,
-                      ServoStatistics& statistics) noexcept;
+  DeviceMovement take(const DeviceReading& reading, double elapsed, DeviceCounts& counts) noexcept;
 
   /// The newest known pose.
   const Pose& pose() const noexcept { return pose_; }

@@ -40,10 +40,10 @@ ForceLaw::ForceLaw(const DeviceSpec& spec, const SessionParameters& parameters,
 bool ForceLaw::holds() const noexcept { return pulls(held_) || !command_delay_.nothing_left(); }
 
 void ForceLaw::moved(const DeviceReading& reading, const DeviceMovement& movement, double hold_time,
-                     ServoStatistics& statistics) noexcept {
+                     DeviceCounts& counts) noexcept {
   if (reading.held) {
     const bool felt = length(reading.held->force() - held_.force()) > kFeltForce;
-    statistics.forces_corrected += felt ? 1 : 0;
+    counts.forces_corrected += felt ? 1 : 0;
     account_for(*reading.held);
   } else if (!command_delay_.certain() && movement.known) {
     account_for(command_delay_.worst(movement.displacement, movement.rotation));
@@ -68,7 +68,7 @@ void ForceLaw::saw(const BoundingStep& step, bool movement_known) noexcept {
 }
 
 Command ForceLaw::apply(const BoundingStep& step, const Asked& asked, ForceTrail& trail,
-                        ServoStatistics& statistics) noexcept {
+                        ForceLawCounts& counts) noexcept {
   if (law_.scene_change_gate) admit_change(step);
   Bounded bounded = law_.bounding.step(step);
   if (law_.scene_change_gate)
@@ -76,14 +76,14 @@ Command ForceLaw::apply(const BoundingStep& step, const Asked& asked, ForceTrail
   // Some bounding methods would keep a part of the last force after a complete fade. Zero force is
   // passive too.
   if (!(asked.share > 0.0)) bounded.rendered = {};
-  statistics.bound_active += bounded.active ? 1 : 0;
-  statistics.saturated += bounded.saturated ? 1 : 0;
-  statistics.refused += bounded.refused ? 1 : 0;
+  counts.bound_active += bounded.active ? 1 : 0;
+  counts.saturated += bounded.saturated ? 1 : 0;
+  counts.refused += bounded.refused ? 1 : 0;
   trail.bounded = bounded.rendered;
   trail.in_debt = bounded.in_debt;
   trail.refused = bounded.refused;
-  const Command safe = safeguard(bounded.rendered, step, asked, trail, statistics);
-  trail.paid = paid_for(safe, step, asked.movement_known, trail, statistics);
+  const Command safe = safeguard(bounded.rendered, step, asked, trail, counts);
+  trail.paid = paid_for(safe, step, asked.movement_known, trail, counts);
   return trail.paid;
 }
 
@@ -101,7 +101,7 @@ void ForceLaw::admit_change(const BoundingStep& step) noexcept {
 }
 
 Command ForceLaw::safeguard(const Command& bounded, const BoundingStep& step, const Asked& asked,
-                            ForceTrail& trail, ServoStatistics& statistics) noexcept {
+                            ForceTrail& trail, ForceLawCounts& counts) noexcept {
   const Safeguarded safe = safety_.apply({.commanded = asked.wanted,
                                           .original = trail.read && asked.original,
                                           .bounded = actuated(spec_, bounded),
@@ -115,17 +115,17 @@ Command ForceLaw::safeguard(const Command& bounded, const BoundingStep& step, co
   trail.slewed = safe.slewed;
   trail.limited = safe.limited;
   trail.safe = safe.rendered;
-  statistics.waiting += safe.waiting ? 1 : 0;
-  statistics.ramped += safe.ramped ? 1 : 0;
-  statistics.slewed += safe.slewed ? 1 : 0;
-  statistics.too_fast += safe.too_fast ? 1 : 0;
-  statistics.force_limited += safe.limited ? 1 : 0;
+  counts.waiting += safe.waiting ? 1 : 0;
+  counts.ramped += safe.ramped ? 1 : 0;
+  counts.slewed += safe.slewed ? 1 : 0;
+  counts.too_fast += safe.too_fast ? 1 : 0;
+  counts.force_limited += safe.limited ? 1 : 0;
   return safe.rendered;
 }
 
 /// Returns the part of the command for which the energy account has enough energy.
 Command ForceLaw::paid_for(const Command& command, BoundingStep step, bool movement_known,
-                           ForceTrail& trail, ServoStatistics& statistics) noexcept {
+                           ForceTrail& trail, ForceLawCounts& counts) noexcept {
   if (!law_.account) return command;
   PortAccount& account = *law_.account;
   constexpr double kInstant = 1e-9;  // [s] replaces a hold time of zero
@@ -135,7 +135,7 @@ Command ForceLaw::paid_for(const Command& command, BoundingStep step, bool movem
   const std::uint64_t strong_hand = account.statistics().strong_hand;
   Command given = account.step(
       step, law_.counts_on_mass ? margin_.hold_time() : margin_.hold_time_of_any_hand());
-  statistics.account_cut += given == command ? 0 : 1;
+  counts.account_cut += given == command ? 0 : 1;
   debt_.judge(account.balance(), step.hold_time, account.statistics().strong_hand > strong_hand);
   trail.overdrawn = overdraft().has_value();
   return given;

@@ -47,7 +47,7 @@ class ForceLaw {
 
   /// Takes a usable movement: what was on the hand during it is accounted for.
   void moved(const DeviceReading& reading, const DeviceMovement& movement, double hold_time,
-             ServoStatistics& statistics) noexcept;
+             DeviceCounts& counts) noexcept;
   /// Energy [J] that the account may spend besides.
   void credit(double energy) noexcept {
     if (law_.account) law_.account->credit(energy);
@@ -57,7 +57,7 @@ class ForceLaw {
 
   /// Returns the force for the hand. `step.command`: what is left of `asked.wanted`.
   Command apply(const BoundingStep& step, const Asked& asked, ForceTrail& trail,
-                ServoStatistics& statistics) noexcept;
+                ForceLawCounts& counts) noexcept;
   /// The device was given `given`, and its write() returned `told`.
   void hold(const Command& given, const Command& told) noexcept;
 
@@ -85,9 +85,9 @@ class ForceLaw {
   void set_held() noexcept;
   void admit_change(const BoundingStep& step) noexcept;
   Command safeguard(const Command& bounded, const BoundingStep& step, const Asked& asked,
-                    ForceTrail& trail, ServoStatistics& statistics) noexcept;
+                    ForceTrail& trail, ForceLawCounts& counts) noexcept;
   Command paid_for(const Command& command, BoundingStep step, bool movement_known,
-                   ForceTrail& trail, ServoStatistics& statistics) noexcept;
+                   ForceTrail& trail, ForceLawCounts& counts) noexcept;
 
   DeviceSpec spec_;
   ServoLaw law_;

@@ -20,8 +20,8 @@ LiveStatus live_status(const Servo& servo, double time, bool connected) noexcept
   return {.time = time,
           .samples = s.samples,
           .lost = servo.lost_so_far(),
-          .round_trip_p50 = s.round_trip.quantile(0.5),
-          .round_trip_p99 = s.round_trip.quantile(0.99),
+          .round_trip_p50 = s.replies.round_trip.quantile(0.5),
+          .round_trip_p99 = s.replies.round_trip.quantile(0.99),
           .clock_known = clock.known(),
           .delay_up = clock.delay_up(),
           .delay_down = clock.delay_down(),
@@ -39,17 +39,17 @@ LiveStatus live_status(const Servo& servo, double time, bool connected) noexcept
           .withholds_change = servo.withholds_change(),
           .shapes = servo.shapes(),
           .near = servo.near(),
-          .contact_cuts = s.contact_cut,
+          .contact_cuts = s.local_model.contact_cut,
           .reloads = servo.newest_reply().reloads,
           .fetched = servo.fetched(),
           .hand_credit = servo.hand_credit(),
           .balance = balance_of(servo),
-          .account_cuts = s.account_cut,
+          .account_cuts = s.law.account_cut,
           .robot = servo.remote() ? std::optional(servo.remote()->remote().state) : std::nullopt,
           .robot_name = servo.robot_name(),
           .robot_turn = turn_of(servo),
-          .device_faults = s.device_faults,
-          .jumps = s.jumps};
+          .device_faults = s.device.faults,
+          .jumps = s.device.jumps};
 }
 
 TickRecord tick_record(const Servo& servo, double time, Nanoseconds now) noexcept {

@@ -27,22 +27,22 @@ ReplyIntake::ReplyIntake(double period, bool point)
     : period_(period), point_(point), sent_(kRemembered) {}
 
 ReplyIntake::Taken ReplyIntake::take(const Reply& reply, Nanoseconds arrival, const State& servo,
-                                     double hold_time, ServoStatistics& statistics) noexcept {
+                                     double hold_time, ReplyCounts& counts) noexcept {
   // Refuse a reply to a future sample. It would make all true replies stale.
   if (reply.sample_index == 0 || reply.sample_index > servo.newest_sample ||
       !believable(reply.command)) {
-    ++statistics.replies_refused;
+    ++counts.refused;
     return {};
   }
-  count_answer(reply, arrival, statistics);
+  count_answer(reply, arrival, counts);
   if (reply.sample_index <= newest_.sample_index) {
-    ++statistics.replies_stale;
+    ++counts.stale;
     return {};
   }
   Taken taken{.newest = true, .used = !servo.fades};
   const Command command = newest_.command, rates = newest_.rates;
   const bool predicted = newest_.predicted;
-  statistics.scene_resets += reply.recovering && !newest_.recovering ? 1 : 0;
+  counts.scene_resets += reply.recovering && !newest_.recovering ? 1 : 0;
   taken.scene_changed = has_reply() && !fresh_ && reply.reloads != newest_.reloads;
   fresh_ = false;
   newest_ = reply;
@@ -51,7 +51,7 @@ ReplyIntake::Taken ReplyIntake::take(const Reply& reply, Nanoseconds arrival, co
   const bool remembered = sent.index == reply.sample_index;
   if (remembered && sent.datagram > 0) datagram_ = sent.datagram;
   // The server may report any number, so count at most the sent datagrams.
-  statistics.withheld = withheld_before_ + std::min(reply.withheld, statistics.datagrams);
+  counts.withheld = withheld_before_ + std::min(reply.withheld, counts.datagrams);
   if (servo.fades) {
     newest_.command = command;
     newest_.predicted = predicted;
@@ -70,20 +70,20 @@ ReplyIntake::Taken ReplyIntake::take(const Reply& reply, Nanoseconds arrival, co
 }
 
 void ReplyIntake::count_answer(const Reply& reply, Nanoseconds arrival,
-                               ServoStatistics& statistics) noexcept {
+                               ReplyCounts& counts) noexcept {
   const std::uint64_t index = reply.sample_index;
   Sent& sent = sent_[index % sent_.size()];
   if (sent.index != index) {  // a newer sample uses this entry
-    ++statistics.answered;
-    ++statistics.late;
+    ++counts.answered;
+    ++counts.late;
     return;
   }
   if (sent.answered) return;
   sent.answered = true;
   const Nanoseconds round_trip = arrival - sent.time;
-  ++statistics.answered;
-  if (round_trip > kLate) ++statistics.late;
-  statistics.round_trip.record(round_trip.count());
+  ++counts.answered;
+  if (round_trip > kLate) ++counts.late;
+  counts.round_trip.record(round_trip.count());
   count(round_trips_, hand_time_limits::kRoundTrips, round_trip);
   server_clock_.take({sent.time, reply.server_receive_time, reply.server_send_time, arrival});
 }
@@ -93,8 +93,8 @@ void ReplyIntake::begin_anew(std::uint64_t sample) noexcept {
   original_ = false;
 }
 
-void ReplyIntake::another_session(const ServoStatistics& statistics) noexcept {
-  withheld_before_ = statistics.withheld;
+void ReplyIntake::another_session(const ReplyCounts& counts) noexcept {
+  withheld_before_ = counts.withheld;
   fresh_ = true;
 }
 
@@ -115,17 +115,17 @@ Command ReplyIntake::command(Nanoseconds now, double keep_alive) const noexcept 
   return believable(later) ? later : newest_.command;
 }
 
-std::uint64_t ReplyIntake::lost_so_far(const ServoStatistics& statistics) const noexcept {
-  const std::uint64_t heard_of = statistics.answered + statistics.withheld;
+std::uint64_t ReplyIntake::lost_so_far(const ReplyCounts& counts) const noexcept {
+  const std::uint64_t heard_of = counts.answered + counts.withheld;
   return datagram_ - std::min(datagram_, heard_of);
 }
 
 std::uint64_t ReplyIntake::lost(const SessionParameters& p,
-                                const ServoStatistics& statistics) const noexcept {
+                                const ReplyCounts& counts) const noexcept {
   const double silent = p.keep_alive / (p.packet_interval * p.servo_period);
   const auto allowed = p.force_deadband > 0.0 ? static_cast<std::uint64_t>(silent) : 0;
-  const std::uint64_t since = statistics.datagrams - datagram_;
-  return lost_so_far(statistics) + since - std::min(since, allowed);
+  const std::uint64_t since = counts.datagrams - datagram_;
+  return lost_so_far(counts) + since - std::min(since, allowed);
 }
 
 }  // namespace feltwire

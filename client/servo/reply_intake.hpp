@@ -34,15 +34,15 @@ class ReplyIntake {
   /// Takes a reply that was found at `arrival`. One that is not finite, out of range, or answers no
   /// sample that was made changes nothing but a count.
   Taken take(const Reply& reply, Nanoseconds arrival, const State& servo, double hold_time,
-             ServoStatistics& statistics) noexcept;
+             ReplyCounts& counts) noexcept;
 
   /// A sample was made at this time.
   void made(std::uint64_t sample, Nanoseconds time) noexcept {
     sent_[sample % sent_.size()] = {sample, time, 0, false};
   }
   /// That sample was the newest of a datagram that was sent.
-  void sent(std::uint64_t sample, ServoStatistics& statistics) noexcept {
-    sent_[sample % sent_.size()].datagram = ++statistics.datagrams;
+  void sent(std::uint64_t sample, ReplyCounts& counts) noexcept {
+    sent_[sample % sent_.size()].datagram = ++counts.datagrams;
   }
 
   /// The servo stood still. A reply to a sample up to this one may have come at any time since.
@@ -50,7 +50,7 @@ class ReplyIntake {
   /// Replies to samples up to this one do not tell where the hand is now.
   void begin_anew(std::uint64_t sample) noexcept;
   /// Replies are those of another session from now on.
-  void another_session(const ServoStatistics& statistics) noexcept;
+  void another_session(const ReplyCounts& counts) noexcept;
   /// The clock was set back: what was remembered moves by `by`.
   void move_times(Nanoseconds by) noexcept;
   /// Forgets the command of the newest reply.
@@ -75,10 +75,9 @@ class ReplyIntake {
   const HandTimes::Counts& round_trips() const noexcept { return round_trips_; }
 
   /// Lost datagrams, up to the newest one that was answered.
-  std::uint64_t lost_so_far(const ServoStatistics& statistics) const noexcept;
+  std::uint64_t lost_so_far(const ReplyCounts& counts) const noexcept;
   /// Datagrams that were lost, or whose replies were lost (Servo::lost()).
-  std::uint64_t lost(const SessionParameters& parameters,
-                     const ServoStatistics& statistics) const noexcept;
+  std::uint64_t lost(const SessionParameters& parameters, const ReplyCounts& counts) const noexcept;
 
  private:
   /// A sample that waits for its reply.
@@ -89,7 +88,7 @@ class ReplyIntake {
     bool answered = false;
   };
 
-  void count_answer(const Reply& reply, Nanoseconds arrival, ServoStatistics& statistics) noexcept;
+  void count_answer(const Reply& reply, Nanoseconds arrival, ReplyCounts& counts) noexcept;
 
   double period_;
   bool point_;

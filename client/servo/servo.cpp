@@ -22,17 +22,18 @@ Servo::Servo(const DeviceSpec& spec, const SessionParameters& parameters,
 bool Servo::take(const Reply& reply, Nanoseconds arrival) noexcept {
   const double hold_time = parameters().hold_time;
   const ReplyIntake::Taken taken = replies_.take(
-      reply, arrival, {sample_.index, last_tick_, fade_.ending()}, hold_time, statistics_);
+      reply, arrival, {sample_.index, last_tick_, fade_.ending()}, hold_time, statistics_.replies);
   if (taken.scene_changed) law_.scene_changed();
   if (taken.used && parameters().local_model)
-    environment_.take(replies_, sample_.index, hold_time, statistics_);
+    environment_.take(replies_, sample_.index, hold_time, statistics_.local_model);
   return taken.newest;
 }
 
 const Sample* Servo::tick(Device& device, Nanoseconds now) noexcept {
   const DeviceReading reading = device.read(now);
   const double patience = kDevicePatience * parameters().hold_time;
-  if (input_.waits(reading, seconds(now - last_tick_), patience, statistics_)) return nullptr;
+  if (input_.waits(reading, seconds(now - last_tick_), patience, statistics_.device))
+    return nullptr;
   return hold(device.write(render(reading, now)));
 }
 
@@ -47,13 +48,13 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
 
   RobotLead* const robot = environment_.robot();
   if (robot != nullptr) robot->take(reading, !released_ && !overdraft(), options_);
-  const DeviceMovement movement = input_.take(reading, step.hold_time, statistics_);
+  const DeviceMovement movement = input_.take(reading, step.hold_time, statistics_.device);
   begin_trail(reading, movement);
   sample_.pose = input_.pose();
   step.displacement = movement.displacement;
   step.rotation = movement.rotation;
   if (movement.read) {
-    law_.moved(reading, movement, step.hold_time, statistics_);
+    law_.moved(reading, movement, step.hold_time, statistics_.device);
     if (robot != nullptr)
       law_.credit(robot->hand().step(sample_.pose.position, movement.displacement, held().force(),
                                      step.hold_time));
@@ -65,7 +66,7 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
   law_.saw(step, movement.known);
 
   const ForceLaw::Asked asked = ask(step, movement, now);
-  given_ = law_.apply(step, asked, explanation_.trail(), statistics_);
+  given_ = law_.apply(step, asked, explanation_.trail(), statistics_.law);
   tick_ = {.displacement = movement.displacement,
            .wanted = asked.wanted,
            .elapsed = step.hold_time,
@@ -76,7 +77,7 @@ Command Servo::render(const DeviceReading& reading, Nanoseconds now) noexcept {
 }
 
 const Sample* Servo::hold(const Command& held) noexcept {
-  if (!held.finite()) ++statistics_.device_faults;
+  if (!held.finite()) ++statistics_.device.faults;
   law_.hold(given_, held);
   environment_.held(law_.held());
   tick_.held = law_.held();
@@ -136,7 +137,7 @@ ForceLaw::Asked Servo::ask(BoundingStep& step, const DeviceMovement& movement,
   }
   const BoundingConfig& bound = law_.law().bounding.config();
   const Command scene = environment_.command(step, law_.law().bounding, sample_.pose, replies_,
-                                             parameters(), now, statistics_);
+                                             parameters(), now, statistics_.local_model);
   // The device cannot give every force, so bound only the force that it can give.
   asked.wanted = actuated(spec_, scene);
   asked.share = fade_.step(now, command_age_, step.hold_time, parameters().hold_time);
@@ -162,7 +163,7 @@ void Servo::release() noexcept {
 }
 
 void Servo::reconnected(bool fresh) noexcept {
-  if (fresh) replies_.another_session(statistics_);
+  if (fresh) replies_.another_session(statistics_.replies);
   if (released_) return;
   if (law_.holds()) {
     found_again_ = true;

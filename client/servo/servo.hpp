@@ -66,17 +66,18 @@ class Servo {
   }
 
   /// The last sample was the newest of a datagram that was sent, so a reply is expected.
-  void sent() noexcept { replies_.sent(sample_.index, statistics_); }
+  void sent() noexcept { replies_.sent(sample_.index, statistics_.replies); }
   /// Whether a reply may still come. With a force deadband it may also have been withheld.
   bool awaits_answer() const noexcept {
-    return statistics_.answered + statistics_.withheld < statistics_.datagrams;
+    return statistics_.replies.answered + statistics_.replies.withheld <
+           statistics_.replies.datagrams;
   }
   /// Datagrams that were lost, or whose replies were lost: sent, neither answered nor withheld. The
   /// number that the server withheld since its newest reply is not known; as many of those
   /// datagrams as keep_alive allows count as withheld.
-  std::uint64_t lost() const noexcept { return replies_.lost(parameters(), statistics_); }
+  std::uint64_t lost() const noexcept { return replies_.lost(parameters(), statistics_.replies); }
   /// Lost datagrams, up to the newest one that was answered; later replies may still come.
-  std::uint64_t lost_so_far() const noexcept { return replies_.lost_so_far(statistics_); }
+  std::uint64_t lost_so_far() const noexcept { return replies_.lost_so_far(statistics_.replies); }
 
   /// The session was lost and continues: the hand may be anywhere. The held force fades to zero
   /// within half the hold time. Then the safety limits of a connection (wait for small force,

@@ -20,9 +20,9 @@ std::optional<RobotLead> robot_of(const ServoOptions& options, const SessionPara
   return RobotLead(options, 0.5 * p.hold_time);
 }
 
-void count_work(const WorkLimit& work, ServoStatistics& statistics) noexcept {
-  statistics.most_work = std::max(statistics.most_work, work.done());
-  statistics.contact_cut += work.cut() ? 1 : 0;
+void count_work(const WorkLimit& work, LocalModelCounts& counts) noexcept {
+  counts.most_work = std::max(counts.most_work, work.done());
+  counts.contact_cut += work.cut() ? 1 : 0;
 }
 
 }  // namespace
@@ -41,7 +41,7 @@ void VirtualEnvironment::use(const FetchedScene* fetched) noexcept {
 }
 
 void VirtualEnvironment::take(const ReplyIntake& replies, std::uint64_t samples, double hold_time,
-                              ServoStatistics& statistics) noexcept {
+                              LocalModelCounts& counts) noexcept {
   const Reply& reply = replies.newest();
   const bool body = reply.body_modelled;
   if (!reply.modelled) local_.clear();
@@ -49,9 +49,9 @@ void VirtualEnvironment::take(const ReplyIntake& replies, std::uint64_t samples,
   if (!reply.modelled && !body) return;
   if (reply.modelled) local_.take(reply.model, replies.original() ? &reply.command : nullptr);
   if (body) local_body_.take(reply.body, samples - reply.sample_index + 1);
-  ++statistics.models;
-  statistics.whole_models += local_.has_whole() || (body && local_body_.has_whole()) ? 1 : 0;
-  statistics.patches += reply.modelled ? reply.model.view().size() : reply.body.view().size();
+  ++counts.received;
+  counts.whole += local_.has_whole() || (body && local_body_.has_whole()) ? 1 : 0;
+  counts.patches += reply.modelled ? reply.model.view().size() : reply.body.view().size();
   // Moving objects have moved since the server computed the reply. The clock estimate gives the
   // delay of the reply, limited to the hold time of a command.
   const double since = std::clamp(replies.server_clock().delay_down(), 0.0, hold_time);
@@ -61,22 +61,20 @@ void VirtualEnvironment::take(const ReplyIntake& replies, std::uint64_t samples,
 
 Command VirtualEnvironment::command(BoundingStep& step, const Bounding& bounding, const Pose& pose,
                                     const ReplyIntake& replies, const SessionParameters& parameters,
-                                    Nanoseconds now, ServoStatistics& statistics) noexcept {
+                                    Nanoseconds now, LocalModelCounts& counts) noexcept {
   Command command = replies.command(now, parameters.keep_alive);
   if (parameters.local_model) {
     const Probe probe = bounding.probe(step.displacement, step.rotation);
     model_moved_ = step.displacement + probe.offset - last_offset_;
     last_offset_ = probe.offset;
     const double weight = replies.newest().body_modelled
-                              ? follow_body(step, probe, pose, now, command, statistics)
-                              : follow_point(step, probe, pose, now, command, statistics);
+                              ? follow_body(step, probe, pose, now, command, counts)
+                              : follow_point(step, probe, pose, now, command, counts);
     command_ = command;
-    ++(weight >= 1.0  ? statistics.modelled
-       : weight > 0.0 ? statistics.half_modelled
-                      : statistics.beyond_model);
+    ++(weight >= 1.0 ? counts.from_model : weight > 0.0 ? counts.from_both : counts.beyond_reach);
     step.local = weight >= 1.0;
   }
-  statistics.hand_overs += step.local == near_ ? 0 : 1;
+  counts.hand_overs += step.local == near_ ? 0 : 1;
   near_ = step.local;
   step.normals = &replies.newest().normals;
   return command;
@@ -87,12 +85,12 @@ Command VirtualEnvironment::command(BoundingStep& step, const Bounding& bounding
 /// weight of the model, 0 to 1.
 double VirtualEnvironment::follow_point(const BoundingStep& step, const Probe& probe,
                                         const Pose& pose, Nanoseconds now, Command& command,
-                                        ServoStatistics& statistics) noexcept {
+                                        LocalModelCounts& counts) noexcept {
   const Vec3& velocity = velocity_.update(model_moved_, step.hold_time);
   const Tool tool{pose.position + probe.offset, velocity};
   WorkLimit work = contact_work();
   const LocalForce force = local_.touch(tool, seconds(now - model_time_), step.hold_time, &work);
-  count_work(work, statistics);
+  count_work(work, counts);
   const double w = force.weight;
   command.elastic = w * force.command.elastic + (1.0 - w) * command.elastic;
   command.frictional = w * force.command.frictional + (1.0 - w) * command.frictional;
@@ -107,12 +105,12 @@ double VirtualEnvironment::follow_point(const BoundingStep& step, const Probe& p
 /// Does the same as follow_point() for a tool with a body.
 double VirtualEnvironment::follow_body(const BoundingStep& step, const Probe& probe,
                                        const Pose& pose, Nanoseconds now, Command& command,
-                                       ServoStatistics& statistics) noexcept {
+                                       LocalModelCounts& counts) noexcept {
   const Pose asked = moved(pose, probe.offset, probe.rotation);
   WorkLimit work = contact_work();
   const BodyForce force =
       local_body_.touch(asked, seconds(now - model_time_), step.hold_time, &work);
-  count_work(work, statistics);
+  count_work(work, counts);
   const double w = force.weight;
   command.elastic = w * force.command.elastic + (1.0 - w) * command.elastic;
   command.frictional = w * force.command.frictional + (1.0 - w) * command.frictional;

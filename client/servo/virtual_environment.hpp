@@ -30,13 +30,13 @@ class VirtualEnvironment {
 
   /// Takes the newest reply, and its model. `samples`: made so far; `hold_time` [s]: of a command.
   void take(const ReplyIntake& replies, std::uint64_t samples, double hold_time,
-            ServoStatistics& statistics) noexcept;
+            LocalModelCounts& counts) noexcept;
 
   /// Returns the command for the device at `pose`, whose bound chooses the place that the model is
   /// asked for. Sets step.local and step.normals.
   Command command(BoundingStep& step, const Bounding& bounding, const Pose& pose,
                   const ReplyIntake& replies, const SessionParameters& parameters, Nanoseconds now,
-                  ServoStatistics& statistics) noexcept;
+                  LocalModelCounts& counts) noexcept;
   /// No command is asked for in this tick.
   void idle() noexcept { near_ = false; }
   /// Returns step.command, which the model alone gave, with its rise limited.
@@ -61,9 +61,9 @@ class VirtualEnvironment {
 
  private:
   double follow_point(const BoundingStep& step, const Probe& probe, const Pose& pose,
-                      Nanoseconds now, Command& command, ServoStatistics& statistics) noexcept;
+                      Nanoseconds now, Command& command, LocalModelCounts& counts) noexcept;
   double follow_body(const BoundingStep& step, const Probe& probe, const Pose& pose,
-                     Nanoseconds now, Command& command, ServoStatistics& statistics) noexcept;
+                     Nanoseconds now, Command& command, LocalModelCounts& counts) noexcept;
   WorkLimit contact_work() const noexcept;
 
   double period_;

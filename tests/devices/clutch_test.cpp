@@ -47,7 +47,7 @@ TEST(Clutch, TheToolStandsWhileItIsHeldAndGoesOnFromExactlyThere) {
       EXPECT_EQ(mapped.tool.orientation.coeffs(), stands.orientation.coeffs());
       EXPECT_NE(mapped.servo.no_force(), ZeroForceReason::clutched);
     }
-    EXPECT_EQ(mapped.servo.statistics().device_faults, 0u);
+    EXPECT_EQ(mapped.servo.statistics().device.faults, 0u);
   }
 }
 
@@ -161,7 +161,7 @@ TEST(Clutch, AFaultMeanwhileIsAFault) {
   mapped.handle->ok = false;
   mapped.run(0.02);
   EXPECT_EQ(mapped.servo.no_force(), ZeroForceReason::device_fault);
-  EXPECT_EQ(mapped.servo.statistics().device_faults, 20u);
+  EXPECT_EQ(mapped.servo.statistics().device.faults, 20u);
   mapped.handle->ok = true;
   mapped.run(0.1);
   mapped.handle->clutch = false;

@@ -256,7 +256,7 @@ TEST_F(Falcon, IdentifyWaitsForTheZero) {
 
 TEST_F(Falcon, MakesNoEnergy) {
   EXPECT_LE(made(kSessionMethod), 1e-12);
-  EXPECT_EQ(statistics.device_faults, 0u);
+  EXPECT_EQ(statistics.device.faults, 0u);
 }
 /// Without a bound the wall must make energy. This shows that the measurement can fail.
 TEST_F(Falcon, TheWallAloneWouldMakeEnergy) { EXPECT_GT(made(kUnbounded), 0.005); }
@@ -287,8 +287,8 @@ TEST_F(Falcon, ABlockedTransferNeverHoldsTheServoUp) {
   Servo servo = servo_of(opened);
   feel(*opened.device, servo);
   stand_in->blocks = true;
-  const std::uint64_t faults = servo.statistics().device_faults;
-  session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults + 5; });
+  const std::uint64_t faults = servo.statistics().device.faults;
+  session.run(*opened.device, servo, [&] { return servo.statistics().device.faults > faults + 5; });
   EXPECT_EQ(servo.given(), Command{});
   session.stiffness = 0.0;
   stand_in->edge.strike();
@@ -302,7 +302,7 @@ TEST_F(Falcon, UnpluggedItIsAFaultForGood) {
   Servo servo = servo_of(opened);
   feel(*opened.device, servo);
   stand_in->unplug = true;
-  session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > 3; });
+  session.run(*opened.device, servo, [&] { return servo.statistics().device.faults > 3; });
   EXPECT_EQ(servo.given(), Command{});
   EXPECT_EQ(servo.no_force(), ZeroForceReason::device_fault);
   EXPECT_THAT(std::string(opened.device->prepare()), HasSubstr("does not answer"));

@@ -147,8 +147,8 @@ TEST_F(ForceDimension, MakesNoneWithEveryFaultAtOnce) {
   stand_in->off_from = 6000;
   stand_in->off_until = 6700;
   EXPECT_LE(made(), 1e-12);
-  EXPECT_GE(statistics.device_faults, 50u);
-  EXPECT_GT(statistics.stale_readings, 1900u);
+  EXPECT_GE(statistics.device.faults, 50u);
+  EXPECT_GT(statistics.device.stale_readings, 1900u);
 }
 
 /// No zero reaches the device any more. The firmware's watchdog must end the force.

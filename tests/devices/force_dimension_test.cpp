@@ -159,7 +159,7 @@ TEST_F(ForceDimension, MakesNoEnergy) {
   stand_in->mass = {};
   EXPECT_LE(made(), 1e-12);
   EXPECT_GT(stand_in->mass.largest_force, 0.5);
-  EXPECT_EQ(statistics.device_faults, 0u);
+  EXPECT_EQ(statistics.device.faults, 0u);
   EXPECT_NEAR(static_cast<double>(statistics.samples), 60e3, 1.0);  // No tick may be missing.
 }
 

@@ -181,7 +181,7 @@ TEST_F(Hapi, AForceBeyondTheMotorsKeepsItsDirection) {
 TEST_F(Hapi, MakesNoEnergy) {
   EXPECT_LE(made(kSessionMethod), 1e-12);
   EXPECT_GT(statistics.samples, 3900u);
-  EXPECT_EQ(statistics.device_faults, 0u);
+  EXPECT_EQ(statistics.device.faults, 0u);
 }
 /// Without a bound the wall must make energy. This shows that the measurement can fail.
 TEST_F(Hapi, TheWallAloneWouldMakeEnergy) { EXPECT_GT(made(kUnbounded), 0.005); }
@@ -236,7 +236,7 @@ TEST_P(HapiFault, LetsTheForceGoAndIsOver) {
   const OpenedDevice opened = open();
   Servo servo = servo_of(opened);
   feel(*opened.device, servo);
-  const std::uint64_t faults = servo.statistics().device_faults;
+  const std::uint64_t faults = servo.statistics().device.faults;
   session.suffer(*opened.device, servo, board.edge, board.*GetParam().count);
   EXPECT_EQ(servo.given(), Command{});
   // A single faulty tick suffices, but the lost frame can be the one that takes the force off.
@@ -244,7 +244,7 @@ TEST_P(HapiFault, LetsTheForceGoAndIsOver) {
   session.expect_let_go("hapi", GetParam().name, board.edge);
   feel(*opened.device, servo);
   // A busy machine misses ticks, and each is a fault.
-  EXPECT_LT(servo.statistics().device_faults, faults + 20 + session.missed - session.struck.second);
+  EXPECT_LT(servo.statistics().device.faults, faults + 20 + session.missed - session.struck.second);
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, HapiFault,
@@ -263,8 +263,8 @@ TEST_F(Hapi, AnUnpluggedBoardIsAFaultForGood) {
   feel(*opened.device, servo);
   board.unplug();
   test::eventually("it is unplugged", [&] { return board.unplugged.load(); });
-  const std::uint64_t faults = servo.statistics().device_faults;
-  session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults + 3; });
+  const std::uint64_t faults = servo.statistics().device.faults;
+  session.run(*opened.device, servo, [&] { return servo.statistics().device.faults > faults + 3; });
   EXPECT_EQ(servo.given(), Command{});
   EXPECT_EQ(servo.no_force(), ZeroForceReason::device_fault);
 }
@@ -276,9 +276,9 @@ TEST_F(Hapi, ABlockedPortNeverHoldsTheServoUp) {
   Servo servo = servo_of(opened);
   feel(*opened.device, servo);
   board.blocks.store(true);
-  const std::uint64_t faults = servo.statistics().device_faults;
+  const std::uint64_t faults = servo.statistics().device.faults;
   session.run(*opened.device, servo,
-              [&] { return servo.statistics().device_faults > faults + 20; });
+              [&] { return servo.statistics().device.faults > faults + 20; });
   EXPECT_EQ(servo.given(), Command{});
   session.stiffness = 0.0;
   board.blocks.store(false);

@@ -191,7 +191,7 @@ TEST_P(HaplyDialect, TheToolTurnsAsTheGrip) {
 TEST_P(HaplyDialect, MakesNoEnergy) {
   EXPECT_LE(made(kSessionMethod), 1e-12);
   EXPECT_GT(statistics.samples, 3900u);
-  EXPECT_EQ(statistics.device_faults, 0u);
+  EXPECT_EQ(statistics.device.faults, 0u);
 }
 /// Without a bound the wall must make energy. This shows that the measurement can fail.
 TEST_P(HaplyDialect, TheWallAloneWouldMakeEnergy) { EXPECT_GT(made(kUnbounded), 0.005); }
@@ -200,7 +200,7 @@ TEST_P(HaplyDialect, TheWallAloneWouldMakeEnergy) { EXPECT_GT(made(kUnbounded), 
 TEST_P(HaplyDialect, MakesNoneWhereTheForceIsCut) {
   service.gate = 0.6;
   EXPECT_LE(made(kSessionMethod), 1e-12);
-  EXPECT_GT(statistics.forces_corrected, 100u);
+  EXPECT_GT(statistics.device.forces_corrected, 100u);
 }
 
 /// Answers arrive in fragments, with pings in between.
@@ -208,7 +208,7 @@ TEST_P(HaplyDialect, MakesNoneWhereAnswersComeInPieces) {
   service.fragments = 1000;
   EXPECT_LE(made(kSessionMethod), 1e-12);
   EXPECT_EQ(service.pongs, 1000);
-  EXPECT_EQ(statistics.device_faults, 0u);
+  EXPECT_EQ(statistics.device.faults, 0u);
 }
 
 TEST_P(HaplyDialect, ATickDoesNotTouchTheHeap) {
@@ -279,16 +279,16 @@ struct HaplyLoss : ::testing::Test {
     const OpenedDevice opened = open(service);
     Servo servo = servo_of(opened);
     session.run(*opened.device, servo, [&] { return service.force > 0.5; });
-    const std::uint64_t faults = servo.statistics().device_faults;
+    const std::uint64_t faults = servo.statistics().device.faults;
     session.strike(service.edge);
     lost = value;
-    session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults; });
+    session.run(*opened.device, servo, [&] { return servo.statistics().device.faults > faults; });
     if (!service.blocks) {
       test::eventually("it is let go", [&] { return service.edge.ended(); });
       session.expect_let_go("haply", "a loss", service.edge);
     }
     session.run(*opened.device, servo,
-                [&] { return servo.statistics().device_faults > faults + 3; });
+                [&] { return servo.statistics().device.faults > faults + 3; });
     EXPECT_EQ(servo.given(), Command{});
     EXPECT_EQ(servo.no_force(), ZeroForceReason::device_fault);
     service.blocks = false;
@@ -319,12 +319,12 @@ TEST_F(HaplyLoss, AForceOfSomebodyElseIsAFault) {
   const OpenedDevice opened = open(service);
   Servo servo = servo_of(opened);
   session.run(*opened.device, servo, [&] { return service.force > 0.5; });
-  const std::uint64_t faults = servo.statistics().device_faults;
+  const std::uint64_t faults = servo.statistics().device.faults;
   session.strike(service.edge);
   service.pushes = 1.0;
   session.run(*opened.device, servo, [&] { return service.edge.ended(); });
   session.expect_let_go("haply", "another's force", service.edge);
-  session.run(*opened.device, servo, [&] { return servo.statistics().device_faults > faults + 3; });
+  session.run(*opened.device, servo, [&] { return servo.statistics().device.faults > faults + 3; });
   EXPECT_EQ(servo.given(), Command{});
 }
 

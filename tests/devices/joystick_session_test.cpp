@@ -36,7 +36,7 @@ TEST_F(Session, TheWallHoldsTheToolAndTheArmPressesNoHarderThanItReaches) {
     push(ABS_RY, kFull - n);
     run(servo, 0.1);
   }
-  EXPECT_EQ(servo.statistics().device_faults, 0u);
+  EXPECT_EQ(servo.statistics().device.faults, 0u);
   EXPECT_GT(servo.held().force().z(), 2.0);
   EXPECT_LT(servo.statistics().max_force, 300.0 * 0.02 + 2.0);
   EXPECT_GT(device->true_position().z(), -0.01);
@@ -55,7 +55,7 @@ TEST_F(Session, AnUnpluggedOneIsAFaultForGood) {
   ASSERT_GT(servo.held().force().z(), 0.5);
   input.unplug();
   for (int n = 0; n < 50; ++n) wall.tick(*device, servo);
-  EXPECT_EQ(servo.statistics().device_faults, 50u);
+  EXPECT_EQ(servo.statistics().device.faults, 50u);
   EXPECT_EQ(servo.held(), Command{});
   EXPECT_EQ(servo.no_force(), ZeroForceReason::device_fault);
   const DeviceReading reading = device->read(wall.now);
@@ -101,7 +101,7 @@ TEST_F(Session, AMinuteMakesNoEnergyAndMissesNothing) {
   ServoStatistics statistics;
   EXPECT_LE(made_in_a_minute(*this, kSessionMethod, statistics), 1e-12);
   EXPECT_EQ(statistics.samples, 60000u);
-  EXPECT_EQ(statistics.device_faults, 0u);
+  EXPECT_EQ(statistics.device.faults, 0u);
   EXPECT_GT(statistics.max_force, 1.0);
 }
 /// Without a bound the wall must make energy. This shows that the measurement can fail.

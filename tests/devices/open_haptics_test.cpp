@@ -58,7 +58,7 @@ struct OpenHaptics : ::testing::Test {
   /// Returns true after more than `faults` faults and without a held force. If a zero is too late
   /// for its tick, the driver sends it in the next tick.
   static bool let_go(const Servo& servo, std::uint64_t faults) {
-    return servo.statistics().device_faults > faults && servo.held() == Command{};
+    return servo.statistics().device.faults > faults && servo.held() == Command{};
   }
 
   /// Returns the excess [J] of the true motion's energy over the dissipated energy, in four seconds
@@ -252,7 +252,7 @@ TEST_F(OpenHaptics, InItsInkwellItIsGivenNothing) {
   stand_in->inkwell.store(false);
   test::eventually("it is out", [&] { return opened.device->prepare().empty(); });
   felt(*opened.device, servo, [&] { return stand_in->force > 0.5; });
-  const std::uint64_t faults = servo.statistics().device_faults;
+  const std::uint64_t faults = servo.statistics().device.faults;
   testing::PacedSession session;
   session.strike(stand_in->edge);
   stand_in->inkwell.store(true);
@@ -265,7 +265,7 @@ TEST_F(OpenHaptics, InItsInkwellItIsGivenNothing) {
   felt(*opened.device, servo, [&] { return stand_in->frames > frames + 200; });
   EXPECT_EQ(stand_in->asked_in_inkwell, 0.0);
   EXPECT_EQ(stand_in->force, 0.0);
-  EXPECT_EQ(servo.statistics().device_faults, faults);
+  EXPECT_EQ(servo.statistics().device.faults, faults);
 }
 
 /// Too much force switches the amplifiers off. They ramp up again later. The driver must request no
@@ -279,7 +279,7 @@ TEST_F(OpenHaptics, AfterAnErrorNothingIsAskedForWhileItRamps) {
   testing::PacedSession session;
   session.strike(stand_in->edge);
   stand_in->raises.store(0x201);
-  const std::uint64_t faults = servo.statistics().device_faults;
+  const std::uint64_t faults = servo.statistics().device.faults;
   session.run(*opened.device, servo, [&] { return let_go(servo, faults); });
   session.run(*opened.device, servo, [&] { return stand_in->edge.ended(); });
   session.expect_let_go("openhaptics", "an error", stand_in->edge);
@@ -296,7 +296,7 @@ TEST_F(OpenHaptics, EveryErrorOfTheDeviceIsAFault) {
   OpenedDevice opened = open();
   Servo servo(opened.device->spec(), testing::session_of(*opened.device), {});
   for (const unsigned code : {0x200U, 0x203U, 0x304U, 0x402U}) {
-    const std::uint64_t faults = servo.statistics().device_faults;
+    const std::uint64_t faults = servo.statistics().device.faults;
     stand_in->raises.store(code);
     felt(*opened.device, servo, [&] { return let_go(servo, faults); });
   }
@@ -309,14 +309,14 @@ TEST_F(OpenHaptics, UnpluggedItIsAFault) {
   parameters.mode = kUnbounded;
   Servo servo(opened.device->spec(), parameters, {});
   felt(*opened.device, servo, [&] { return stand_in->force > 0.5; });
-  const std::uint64_t faults = servo.statistics().device_faults;
+  const std::uint64_t faults = servo.statistics().device.faults;
   testing::PacedSession session;
   session.strike(stand_in->edge);
   stand_in->fails.store(0x302);
   session.run(*opened.device, servo, [&] { return stand_in->edge.ended(); });
   session.expect_let_go("openhaptics", "unplugged", stand_in->edge);
   session.run(*opened.device, servo,
-              [&] { return servo.statistics().device_faults > faults + 100; });
+              [&] { return servo.statistics().device.faults > faults + 100; });
   EXPECT_EQ(servo.no_force(), ZeroForceReason::device_fault);
 }
 
@@ -326,7 +326,7 @@ TEST_F(OpenHaptics, AFrameThatDoesNotEndIsAFault) {
   OpenedDevice opened = open();
   Servo servo(opened.device->spec(), testing::session_of(*opened.device), {});
   stand_in->blocks.store(true);
-  felt(*opened.device, servo, [&] { return servo.statistics().device_faults > 3; });
+  felt(*opened.device, servo, [&] { return servo.statistics().device.faults > 3; });
   EXPECT_EQ(servo.held(), Command{});
   EXPECT_EQ(servo.no_force(), ZeroForceReason::device_fault);
   stand_in->blocks.store(false);
@@ -388,7 +388,7 @@ TEST_F(OpenHaptics, ASchedulerThatStopsIsAFault) {
   OpenedDevice opened = open();
   Servo servo(opened.device->spec(), testing::session_of(*opened.device), {});
   stand_in->stuck.store(true);
-  felt(*opened.device, servo, [&] { return servo.statistics().device_faults > 0; });
+  felt(*opened.device, servo, [&] { return servo.statistics().device.faults > 0; });
   EXPECT_EQ(servo.no_force(), ZeroForceReason::device_fault);
 }
 

@@ -211,7 +211,7 @@ struct PluginSession : Plugin {
 
 TEST_F(PluginSession, MakesNoEnergy) {
   EXPECT_LE(made(), 1e-12);
-  EXPECT_EQ(statistics.stale_readings, 0u);
+  EXPECT_EQ(statistics.device.stale_readings, 0u);
 }
 
 /// Without a bound the wall must make energy. This shows that the other tests can fail.
@@ -245,7 +245,7 @@ TEST_F(PluginSession, MakesNoneWhereEachForceIsATickLateAndThePluginSaysSo) {
 TEST_F(PluginSession, MakesNoneWithStaleReadings) {
   stand_in->stale_every = 7;
   EXPECT_LE(made(), 1e-12);
-  EXPECT_EQ(statistics.stale_readings, 8571u);  // 60 000 / 7
+  EXPECT_EQ(statistics.device.stale_readings, 8571u);  // 60 000 / 7
 }
 
 TEST_F(PluginSession, MakesNoneWhereTheForceIsCut) {
@@ -262,7 +262,7 @@ TEST_F(PluginSession, MakesNoneWithTicksThatComeSooner) {
 TEST_F(PluginSession, MakesNoneWhereForcesAreTakenUpLate) {
   stand_in->late = 0.4;
   EXPECT_LE(made(), 1e-12);
-  EXPECT_GT(statistics.forces_corrected, 100u);
+  EXPECT_GT(statistics.device.forces_corrected, 100u);
 }
 
 TEST_F(PluginSession, ADeviceThatIsUnpluggedHoldsNothing) {

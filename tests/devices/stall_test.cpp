@@ -324,7 +324,7 @@ Lied lie_to(std::string_view mode, BoundingSide side, const FetchedScene* heavy)
   const Lied lied{.made = moved.made(),
                   .debt = account ? account->statistics().largest_debt : 0.0,
                   .felt = server.most_felt,
-                  .cut = s.contact_cut,
+                  .cut = s.local_model.contact_cut,
                   .late = task->result.missed_deadlines};
   if (testing::measures())
     std::printf("%-14.*s %s %s: %.2f N, %.2e J made, %llu cut, %llu late ticks, debt %.2e J%s\n",

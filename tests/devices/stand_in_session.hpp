@@ -141,10 +141,10 @@ struct PacedSession {
   /// again.
   void suffer(Device& device, Servo& servo, stand_in::ForceEdge& edge, std::atomic<int>& left) {
     constexpr int kSeenWithin = 3;  // ticks
-    const std::uint64_t faults = servo.statistics().device_faults;
+    const std::uint64_t faults = servo.statistics().device.faults;
     int unseen = kSeenWithin;
     run(device, servo, [&] {
-      if (servo.statistics().device_faults > faults) return true;
+      if (servo.statistics().device.faults > faults) return true;
       unseen = left.load() > 0 ? 0 : unseen + 1;
       if (unseen > kSeenWithin) {
         strike(edge);
@@ -168,7 +168,7 @@ struct PacedSession {
     std::printf("%-14s %6.1f s %8llu ticks %4llu missed %4llu faults %6.2f N %10.2e J made\n",
                 device, lasted, static_cast<unsigned long long>(ticks),
                 static_cast<unsigned long long>(missed),
-                static_cast<unsigned long long>(s.device_faults), force, made);
+                static_cast<unsigned long long>(s.device.faults), force, made);
   }
 
   std::deque<Reply> on_the_way{};

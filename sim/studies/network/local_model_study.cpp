@@ -192,10 +192,11 @@ void measure(const Task& task, const NetworkRunOptions& options, LocalModelCell&
   if (task.name == "press") cell.displayed = pressing_slope(run.samples);
   cell.onset = onset(run.samples);
   cell.oscillation = oscillation(run.samples, cell.rate);
-  cell.from_model = static_cast<double>(run.servo.modelled) / ticks;
-  cell.patches = run.servo.models > 0 ? static_cast<double>(run.servo.patches) /
-                                            static_cast<double>(run.servo.models)
-                                      : 0.0;
+  cell.from_model = static_cast<double>(run.servo.local_model.from_model) / ticks;
+  cell.patches = run.servo.local_model.received > 0
+                     ? static_cast<double>(run.servo.local_model.patches) /
+                           static_cast<double>(run.servo.local_model.received)
+                     : 0.0;
   cell.datagrams = static_cast<double>(run.up.datagrams) / time;
   cell.kbit_up = run.up.kbit_per_second(time);
   cell.kbit_down = run.down.kbit_per_second(time);

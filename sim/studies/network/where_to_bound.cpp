@@ -107,8 +107,8 @@ void measure(const WhereToBoundTask& task, const NetworkRunResult& run, bool ide
   cell.true_margin = run.true_port.least_margin();
   cell.device_margin = ideal ? run.least_device_margin : -run.true_energy.made;
   cell.violations = run.measured_port.violations();
-  cell.answered =
-      ratio(static_cast<double>(run.servo.answered), static_cast<double>(run.servo.samples));
+  cell.answered = ratio(static_cast<double>(run.servo.replies.answered),
+                        static_cast<double>(run.servo.samples));
 }
 
 void run_where_to_bound_cell(const WhereToBoundTask& task, const Hand& hand,

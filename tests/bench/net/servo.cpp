@@ -88,7 +88,7 @@ Run run(const Settings& settings, const Way& way) {
     run_servo_loop(device, servo, transport, options, stop, {}, *result);
   });
   thread.join();
-  const Histogram& round_trip = servo.statistics().round_trip;
+  const Histogram& round_trip = servo.statistics().replies.round_trip;
   return {1e-3 * result->wakeup_late.quantile(0.5), 1e-3 * result->wakeup_late.quantile(0.99),
           1e-3 * round_trip.quantile(0.5), 1e-3 * round_trip.quantile(0.99),
           1e-3 * round_trip.quantile(0.999)};

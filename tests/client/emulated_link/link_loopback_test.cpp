@@ -34,8 +34,8 @@ TEST_F(LinkLoopback, WhatIsLostIsWhatTheModelLost) {
 
   const ServoStatistics& s = client.servo.statistics();
   EXPECT_EQ(client.result->end, EndReason::device_ended);
-  EXPECT_EQ(s.answered, expected_answers(options, s.samples));
-  EXPECT_LT(s.answered, s.samples);
+  EXPECT_EQ(s.replies.answered, expected_answers(options, s.samples));
+  EXPECT_LT(s.replies.answered, s.samples);
   EXPECT_EQ(client.servo.port().violations(), 0u);
   EXPECT_GT(s.max_force, 0.0);
 
@@ -43,11 +43,11 @@ TEST_F(LinkLoopback, WhatIsLostIsWhatTheModelLost) {
   const LinkStatistics down = client.link()->down.statistics();
   EXPECT_EQ(up.entered, s.samples);
   EXPECT_EQ(down.entered, up.delivered);  // one answer per datagram
-  EXPECT_EQ(down.delivered, s.answered);
+  EXPECT_EQ(down.delivered, s.replies.answered);
   EXPECT_EQ(up.in_flight + down.in_flight, 0u);  // The client must wait for the last answers.
   EXPECT_GE(up.least_delay, std::chrono::milliseconds(3));
   EXPECT_GE(down.least_delay, std::chrono::milliseconds(3));
-  EXPECT_GE(s.round_trip.quantile(0.0), 6e6 * 0.99);  // The histogram rounds its values.
+  EXPECT_GE(s.replies.round_trip.quantile(0.0), 6e6 * 0.99);  // The histogram rounds its values.
 
   // Wait for the client's goodbyes, because a server that stops first would end the session itself.
   test::eventually("the end of the session",
@@ -66,7 +66,7 @@ TEST_F(LinkLoopback, AHandOverAHostileLinkIsSafe) {
   const ServoStatistics& s = client.servo.statistics();
   EXPECT_EQ(client.result->end, EndReason::device_ended);
   EXPECT_EQ(client.servo.port().violations(), 0u);
-  EXPECT_GT(s.answered, 0u);
+  EXPECT_GT(s.replies.answered, 0u);
   EXPECT_EQ(client.servo.held().force(), Vec3::Zero());
   const LinkStatistics up = client.link()->up.statistics();
   EXPECT_GT(up.lost, 0u);
@@ -83,7 +83,7 @@ TEST_F(LinkLoopback, ACutCableEndsInSilence) {
   client.start(limits);
   client.finish();
   EXPECT_EQ(client.result->end, EndReason::server_silent);
-  EXPECT_EQ(client.servo.statistics().answered, 0u);
+  EXPECT_EQ(client.servo.statistics().replies.answered, 0u);
   EXPECT_EQ(client.servo.statistics().max_force, 0.0);
 }
 

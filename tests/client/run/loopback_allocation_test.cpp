@@ -36,8 +36,8 @@ TEST_F(LoopbackAllocation, AServedTickAllocatesNothingInAnyThread) {
   modelled.stop.set();
   bounded.finish();
   modelled.finish();
-  EXPECT_GT(bounded.servo.statistics().answered, kTicks / 2);
-  EXPECT_GT(modelled.servo.statistics().answered, kTicks / 2);
+  EXPECT_GT(bounded.servo.statistics().replies.answered, kTicks / 2);
+  EXPECT_GT(modelled.servo.statistics().replies.answered, kTicks / 2);
 }
 
 }  // namespace

@@ -50,9 +50,9 @@ TEST_F(Loopback, TwoHandsFeelTheFloorAtOnce) {
   for (Client* client : {&bounded, &unbounded}) {
     const ServoStatistics& s = client->servo.statistics();
     EXPECT_EQ(client->result->end, EndReason::device_ended);
-    EXPECT_GT(s.answered, 0u);
-    EXPECT_LE(s.answered, s.samples);
-    EXPECT_EQ(s.replies_refused, 0u);
+    EXPECT_GT(s.replies.answered, 0u);
+    EXPECT_LE(s.replies.answered, s.samples);
+    EXPECT_EQ(s.replies.refused, 0u);
     EXPECT_EQ(client->transport.statistics().dropped, TransportStatistics{}.dropped);
     // The force must be a force of the plane. The normal force is at most k times the depth, and
     // the friction is inside the friction cone.
@@ -209,7 +209,7 @@ TEST(Ipv6, AHandFeelsOverIpv6) {
   client.start();
   client.finish();
   EXPECT_EQ(client.result->end, EndReason::device_ended);
-  EXPECT_GT(client.servo.statistics().answered, 0u);
+  EXPECT_GT(client.servo.statistics().replies.answered, 0u);
   EXPECT_GT(client.servo.statistics().max_force, 0.0);
   EXPECT_EQ(client.servo.port().violations(), 0u);
 }

@@ -124,7 +124,7 @@ TEST(Observing, TheLoopGivesItsViewsToWhoeverReads) {
   }
   eye.stop.set();
   eye.finish();
-  EXPECT_GT(eye.servo.statistics().answered, enough);
+  EXPECT_GT(eye.servo.statistics().replies.answered, enough);
   EXPECT_GT(eye.result->views_dropped, 0u);
   EXPECT_EQ(eye.transport.statistics().dropped, TransportStatistics{}.dropped);
   hand.stop.set();

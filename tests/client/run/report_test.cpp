@@ -141,7 +141,7 @@ TEST(Report, SaysWhatAccountAndShapingSaw) {
   EXPECT_EQ(written["hand_credit"]["near_share"], 1.0) << "none of its forces was made here";
   EXPECT_EQ(written["hand_credit"]["near_steps_down"], 0);
   EXPECT_EQ(written["hand_credit"]["untold_lag_s"], 0.0);
-  EXPECT_EQ(written["local_model"]["hand_overs"], servo.statistics().hand_overs);
+  EXPECT_EQ(written["local_model"]["hand_overs"], servo.statistics().local_model.hand_overs);
 }
 
 /// The report contains each change of state between the hand and its robot, with its time.

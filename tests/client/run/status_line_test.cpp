@@ -144,7 +144,7 @@ TEST(StatusLine, SaysThatContactIsCutOff) {
   EXPECT_THAT(text(now, before), EndsWith("J  contact cut off in 25 % of the ticks"));
   ServoStatistics statistics;
   EXPECT_EQ(cut_text(statistics), "");
-  statistics.contact_cut = 12;
+  statistics.local_model.contact_cut = 12;
   EXPECT_EQ(cut_text(statistics), ", contact cut off in 12 ticks");
 }
 

@@ -111,8 +111,9 @@ double energy_made(std::string_view mode, std::uint64_t seed, double* most_torqu
     if (n / 50 % 2 == 1) reply.body.solids = n % 50 == 0 ? 2 : 1;
     servo.take(reply, now);
   }
-  EXPECT_GT(servo.statistics().modelled + servo.statistics().half_modelled, 0u);
-  EXPECT_GT(servo.statistics().whole_models, 0u);
+  EXPECT_GT(servo.statistics().local_model.from_model + servo.statistics().local_model.from_both,
+            0u);
+  EXPECT_GT(servo.statistics().local_model.whole, 0u);
   return -servo.port().least_margin();
 }
 

@@ -58,7 +58,7 @@ TEST_P(BusyServer, AnswersHandsAndRequests) {
   }
   hand.finish();
   EXPECT_EQ(hand.result->end, EndReason::device_ended);
-  EXPECT_GT(hand.servo.statistics().answered, 0u);
+  EXPECT_GT(hand.servo.statistics().replies.answered, 0u);
   EXPECT_GT(hand.servo.statistics().max_force, 0.01);  // [N] A busy machine reduces the force.
   EXPECT_EQ(hand.transport.statistics().dropped, TransportStatistics{}.dropped);
 }
@@ -159,7 +159,7 @@ TEST_P(BusyClient, KeepsItsDeadlinesAndTakesItsReplies) {
   hand.start({.silence_timeout = kPatience, .busy_poll = GetParam()});
   hand.finish();
   EXPECT_EQ(hand.result->end, EndReason::device_ended);
-  EXPECT_EQ(hand.servo.statistics().answered, hand.servo.statistics().samples);
+  EXPECT_EQ(hand.servo.statistics().replies.answered, hand.servo.statistics().samples);
   EXPECT_EQ(hand.servo.statistics().samples, hand.result->wakeup_late.count() + 1);
   EXPECT_GT(hand.servo.statistics().max_force, 0.01);  // [N] A busy machine reduces the force.
 }
@@ -174,8 +174,8 @@ TEST_P(BusyClient, ServesAnEmulatedLink) {
               std::make_unique<TwoWayLink>(parse_link("delay=3"), 0, 1 << 10));
   hand.start({.silence_timeout = kPatience, .busy_poll = GetParam()});
   hand.finish();
-  EXPECT_EQ(hand.servo.statistics().answered, hand.servo.statistics().samples);
-  const Histogram& round_trip = hand.servo.statistics().round_trip;  // [ns]
+  EXPECT_EQ(hand.servo.statistics().replies.answered, hand.servo.statistics().samples);
+  const Histogram& round_trip = hand.servo.statistics().replies.round_trip;  // [ns]
   EXPECT_GE(round_trip.quantile(0.0), 5.9e6);
   // [ns] The client must take a reply before its next tick.
   EXPECT_LT(round_trip.quantile(0.5), 20e6);

@@ -64,16 +64,16 @@ Attack attacked(Bench& bench, test::Random& random, Model model) {
     position +=
         presses ? Vec3(0, 0, -kWay) : test::greediest(bench.servo.held().force(), 1e-3, damping);
     if (position.norm() > kFar) position *= 0.9;
-    const std::uint64_t cut = bench.servo.statistics().contact_cut;
+    const std::uint64_t cut = bench.servo.statistics().local_model.contact_cut;
     bench.tick({.pose = {.position = position}});
     attack.held = std::max(attack.held, bench.servo.held().force().norm());
-    if (bench.servo.statistics().contact_cut == cut) continue;
+    if (bench.servo.statistics().local_model.contact_cut == cut) continue;
     EXPECT_TRUE(bench.servo.command() == bench.servo.newest_reply().command) << n;
     EXPECT_FALSE(bench.servo.near());
   }
   attack.allocations = test::allocations() - before;
-  attack.cut = bench.servo.statistics().contact_cut;
-  attack.most_work = bench.servo.statistics().most_work;
+  attack.cut = bench.servo.statistics().local_model.contact_cut;
+  attack.most_work = bench.servo.statistics().local_model.most_work;
   attack.violations = bench.servo.port().violations();
   return attack;
 }

@@ -21,11 +21,9 @@ DeviceReading at(double x) {
 }
 
 struct Input {
-  DeviceMovement take(const DeviceReading& reading) {
-    return input.take(reading, kPeriod, statistics);
-  }
+  DeviceMovement take(const DeviceReading& reading) { return input.take(reading, kPeriod, counts); }
   DeviceInput input{builtin_device("sigma.7"), 1.0, true, kPeriod};
-  ServoStatistics statistics;
+  DeviceCounts counts;
 };
 
 TEST(DeviceInput, TellsTheMovementSinceTheLastTick) {
@@ -41,7 +39,7 @@ TEST(DeviceInput, TellsTheMovementSinceTheLastTick) {
   EXPECT_NEAR(second.displacement.x(), 0.0005, 1e-15);
   EXPECT_NEAR(second.rotation.z(), angle, 1e-12);
   EXPECT_EQ(all.input.pose().position, next.pose.position);
-  EXPECT_EQ(all.statistics.device_faults, 0u);
+  EXPECT_EQ(all.counts.faults, 0u);
 }
 
 TEST(DeviceInput, NormalizesTheOrientation) {
@@ -67,7 +65,7 @@ TEST(DeviceInput, AFaultHidesTheMovementAcrossIt) {
   EXPECT_FALSE(after.known);
   EXPECT_TRUE(after.displacement.isZero(0.0));
   EXPECT_EQ(all.input.no_position_for(), 0.0);
-  EXPECT_EQ(all.statistics.device_faults, 1u);
+  EXPECT_EQ(all.counts.faults, 1u);
 }
 
 TEST(DeviceInput, AJumpIsAFaultThatNamesItself) {
@@ -76,8 +74,8 @@ TEST(DeviceInput, AJumpIsAFaultThatNamesItself) {
   const DeviceMovement jump = all.take(at(0.05));  // a speed of 50 m/s
   EXPECT_TRUE(jump.jumped);
   EXPECT_FALSE(jump.read);
-  EXPECT_EQ(all.statistics.jumps, 1u);
-  EXPECT_EQ(all.statistics.device_faults, 1u);
+  EXPECT_EQ(all.counts.jumps, 1u);
+  EXPECT_EQ(all.counts.faults, 1u);
   EXPECT_EQ(all.input.pose().position.x(), 0.0) << "the place before stays";
   DeviceReading judged = at(0.0);
   judged.jumped = true;  // The driver itself has already checked this jump.
@@ -105,19 +103,19 @@ TEST(DeviceInput, AReasonOfTheDeviceIsNoFault) {
   ended.ok = false;
   EXPECT_FALSE(all.take(ended).fault);
   EXPECT_TRUE(all.input.ended());
-  EXPECT_EQ(all.statistics.device_faults, 0u);
+  EXPECT_EQ(all.counts.faults, 0u);
 }
 
 TEST(DeviceInput, WaitsForANewReadingButNotForEver) {
   Input all;
   DeviceReading repeated = at(0.0);
   repeated.fresh = false;
-  EXPECT_FALSE(all.input.waits(repeated, 0.0, 0.025, all.statistics)) << "no place is known";
+  EXPECT_FALSE(all.input.waits(repeated, 0.0, 0.025, all.counts)) << "no place is known";
   all.take(at(0.0));
-  EXPECT_TRUE(all.input.waits(repeated, 0.024, 0.025, all.statistics));
-  EXPECT_FALSE(all.input.waits(repeated, 0.025, 0.025, all.statistics));
-  EXPECT_FALSE(all.input.waits(at(0.0), 0.0, 0.025, all.statistics));
-  EXPECT_EQ(all.statistics.stale_readings, 2u);
+  EXPECT_TRUE(all.input.waits(repeated, 0.024, 0.025, all.counts));
+  EXPECT_FALSE(all.input.waits(repeated, 0.025, 0.025, all.counts));
+  EXPECT_FALSE(all.input.waits(at(0.0), 0.0, 0.025, all.counts));
+  EXPECT_EQ(all.counts.stale_readings, 2u);
 }
 
 }  // namespace

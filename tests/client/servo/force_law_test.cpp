@@ -29,11 +29,11 @@ struct Law {
     step.displacement = way;
     step.command = asked;
     trail = {};
-    law.moved({}, {.read = true, .known = known, .displacement = way}, kPeriod, statistics);
+    law.moved({}, {.read = true, .known = known, .displacement = way}, kPeriod, statistics.device);
     law.saw(step, known);
     const Command given = law.apply(
         step, {.wanted = asked, .share = share, .original = true, .movement_known = known}, trail,
-        statistics);
+        statistics.law);
     law.hold(given, given);
     return given;
   }
@@ -82,10 +82,10 @@ TEST(ForceLaw, AccountsForWhatTheDeviceHeld) {
   DeviceReading reading;
   reading.held = Command{.elastic = Vec3(0, 0, 0.5)};
   none.law.moved(reading, {.read = true, .known = true, .displacement = Vec3(0, 0, 1e-3)}, kPeriod,
-                 none.statistics);
+                 none.statistics.device);
   EXPECT_EQ(none.law.held(), *reading.held);
   EXPECT_NEAR(none.law.port().delivered().total(), 0.5e-3, 1e-15);
-  EXPECT_EQ(none.statistics.forces_corrected, 1u);
+  EXPECT_EQ(none.statistics.device.forces_corrected, 1u);
 }
 
 TEST(ForceLaw, ALateDeviceHoldsWhatWasGivenBefore) {

@@ -81,15 +81,15 @@ TEST(Jump, GivesNoForceAndNoCreditAndTheWaitBeginsAnewAtEveryRate) {
       const double before = hand.balance();
       EXPECT_EQ(hand.tick(at(0, 0, 0.005 - way)).force(), Vec3::Zero()) << rate;
       EXPECT_EQ(hand.servo.no_force(), ZeroForceReason::jumped);
-      EXPECT_EQ(hand.servo.statistics().jumps, 1u) << rate << " " << way;
-      EXPECT_EQ(hand.servo.statistics().device_faults, 1u);
+      EXPECT_EQ(hand.servo.statistics().device.jumps, 1u) << rate << " " << way;
+      EXPECT_EQ(hand.servo.statistics().device.faults, 1u);
       EXPECT_LE(hand.balance(), before);
       // After the jump the servo withholds the scene's force, as for a hand that begins in contact.
       hand.rest({0, 0, 0.005 - way}, 0.3);
       EXPECT_LT(hand.most, 1e-9) << rate << " " << way;
       EXPECT_EQ(hand.servo.no_force(), ZeroForceReason::waiting);
       EXPECT_LE(hand.balance(), before);
-      EXPECT_EQ(hand.servo.statistics().jumps, 1u);
+      EXPECT_EQ(hand.servo.statistics().device.jumps, 1u);
       EXPECT_EQ(hand.servo.port().violations(), 0u);
     }
   }
@@ -105,7 +105,7 @@ TEST(Jump, AReadingThatFlickersGivesNoForceAndNoCredit) {
       for (int n = 0; n < 400; ++n) hand.tick(at(0, 0, (n / every) % 2 == 0 ? 0.005 : -0.02));
       EXPECT_LT(hand.most, 1e-9) << rate << " " << every;
       EXPECT_LE(hand.balance(), before);
-      EXPECT_GT(hand.servo.statistics().jumps, 25u);
+      EXPECT_GT(hand.servo.statistics().device.jumps, 25u);
     }
   }
 }
@@ -118,11 +118,11 @@ TEST(Jump, OfTheOrientationIsAFaultToo) {
       DeviceReading turned = at(0, 0, 0.005);
       turned.pose.orientation = Quaternion(Eigen::AngleAxisd(1.0, Vec3(0.6, 0, 0.8)));
       EXPECT_EQ(hand.tick(turned).force(), Vec3::Zero());
-      EXPECT_EQ(hand.servo.statistics().jumps, 1u) << rate << " " << device;
+      EXPECT_EQ(hand.servo.statistics().device.jumps, 1u) << rate << " " << device;
       // The quaternions q and -q are the same orientation.
       turned.pose.orientation.coeffs() *= -1.0;
       for (int n = 0; n < 10; ++n) hand.tick(turned);
-      EXPECT_EQ(hand.servo.statistics().jumps, 1u) << rate << " " << device;
+      EXPECT_EQ(hand.servo.statistics().device.jumps, 1u) << rate << " " << device;
     }
   }
 }
@@ -135,12 +135,12 @@ TEST(Jump, AfterAStallTheTimeOfTheStallCounts) {
       honest.rest({0, 0, 0.1}, 0.1);
       lying.rest({0, 0, 0.1}, 0.1);
       honest.tick(at(0, 0, 0.1 - 2.0 * stall), stall);  // a speed of 2 m/s
-      EXPECT_EQ(honest.servo.statistics().jumps, 0u) << rate << " " << stall;
+      EXPECT_EQ(honest.servo.statistics().device.jumps, 0u) << rate << " " << stall;
       lying.tick(at(0, 0, 0.1 - 10.5 * (stall + 1.0 / rate)), stall);
-      EXPECT_EQ(lying.servo.statistics().jumps, 1u) << rate << " " << stall;
+      EXPECT_EQ(lying.servo.statistics().device.jumps, 1u) << rate << " " << stall;
       // The tick after a stall has the usual limit again.
       honest.tick(at(0, 0, 0.1 - 2.0 * stall - 0.05));
-      EXPECT_EQ(honest.servo.statistics().jumps, 1u) << rate << " " << stall;
+      EXPECT_EQ(honest.servo.statistics().device.jumps, 1u) << rate << " " << stall;
     }
   }
 }
@@ -156,8 +156,8 @@ TEST(Jump, AFastHandIsNone) {
       const double z = std::abs(0.06 * std::cos(50.0 * t) + 0.01) - 0.01;
       hand.tick(at(0, 0.02 * std::sin(30.0 * t), z));
     }
-    EXPECT_EQ(hand.servo.statistics().jumps, 0u) << rate;
-    EXPECT_EQ(hand.servo.statistics().device_faults, 0u) << rate;
+    EXPECT_EQ(hand.servo.statistics().device.jumps, 0u) << rate;
+    EXPECT_EQ(hand.servo.statistics().device.faults, 0u) << rate;
     EXPECT_GT(hand.most, 0.1);
   }
 }
@@ -172,11 +172,11 @@ TEST(Jump, AMappedToolMayMoveAsFarAsItsMappingSays) {
     Hand hand(1000.0, device.spec(), device.motion_scale());
     hand.rest({0, 0, 1.0}, 0.01);
     hand.tick(at(0, 0, 1.0 + scale * 2.3e-3));
-    EXPECT_EQ(hand.servo.statistics().jumps, 0u) << scale;
+    EXPECT_EQ(hand.servo.statistics().device.jumps, 0u) << scale;
     hand.rest({0, 0, 2.0}, 0.01);
-    const auto jumps = hand.servo.statistics().jumps;
+    const auto jumps = hand.servo.statistics().device.jumps;
     hand.tick(at(0, 0, 2.0 + scale * 2.7e-3));
-    EXPECT_EQ(hand.servo.statistics().jumps, jumps + 1) << scale;
+    EXPECT_EQ(hand.servo.statistics().device.jumps, jumps + 1) << scale;
   }
 }
 
@@ -201,8 +201,8 @@ TEST(Jump, ARecordingsJumpIsFoundAtEveryRate) {
         if (reading.ended) break;
         hand.tick(reading);
       }
-      EXPECT_GE(hand.servo.statistics().jumps, 1u) << rate << " " << way;
-      EXPECT_LE(hand.servo.statistics().jumps, std::ceil(rate / 1000.0) + 1.0) << rate;
+      EXPECT_GE(hand.servo.statistics().device.jumps, 1u) << rate << " " << way;
+      EXPECT_LE(hand.servo.statistics().device.jumps, std::ceil(rate / 1000.0) + 1.0) << rate;
       // The hand sinks 3 mm more. The force must match that depth.
       EXPECT_LE(hand.most, 600.0 * 3e-3 + 0.1) << rate << " " << way;
     }
@@ -235,7 +235,7 @@ TEST(Jump, ARecordingOfAMouseIsAHandAtEveryRate) {
     Hand hand(rate);
     for (DeviceReading reading; !reading.ended; hand.tick(reading))
       reading = device.read(hand.now + seconds(1.0 / rate));
-    EXPECT_EQ(hand.servo.statistics().jumps, 0u) << rate;
+    EXPECT_EQ(hand.servo.statistics().device.jumps, 0u) << rate;
     EXPECT_GT(hand.most, 0.1) << "it presses";
   }
 }

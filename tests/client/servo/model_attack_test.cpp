@@ -87,7 +87,8 @@ Attack attacked(const SessionParameters& parameters, Random& random, int every, 
     attack.rendered += bench.tick({.pose = {.position = position}}).force().norm();
   }
   attack.violations = bench.servo.port().violations();
-  attack.modelled = bench.servo.statistics().modelled + bench.servo.statistics().half_modelled;
+  attack.modelled = bench.servo.statistics().local_model.from_model +
+                    bench.servo.statistics().local_model.from_both;
   return attack;
 }
 

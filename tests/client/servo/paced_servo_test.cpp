@@ -74,8 +74,8 @@ TEST_F(PacedServo, AStaleReadingIsNoTick) {
   EXPECT_EQ(servo.held().force(), Vec3(0, 0, 2));
   EXPECT_NE(tick(at(0, 0, 3e-3)), nullptr);
   EXPECT_DOUBLE_EQ(servo.port().delivered().total(), 2.0 * 3e-3);
-  EXPECT_EQ(servo.statistics().stale_readings, 1u);
-  EXPECT_EQ(servo.statistics().device_faults, 0u);
+  EXPECT_EQ(servo.statistics().device.stale_readings, 1u);
+  EXPECT_EQ(servo.statistics().device.faults, 0u);
 }
 
 TEST_F(PacedServo, ADeviceThatTellsNothingNewForLongHasAFault) {
@@ -87,7 +87,7 @@ TEST_F(PacedServo, ADeviceThatTellsNothingNewForLongHasAFault) {
   tick(stale());
   tick(stale());
   EXPECT_EQ(device.last.force(), Vec3::Zero());
-  EXPECT_GT(servo.statistics().device_faults, 0u);
+  EXPECT_GT(servo.statistics().device.faults, 0u);
 }
 
 /// The servo multiplies the movement by the force that the device reports as held.
@@ -103,12 +103,12 @@ TEST_F(PacedServo, AForceTakenUpLateIsAccountedAsHeldLate) {
   late.held = elastic(0, 0, 2.5);
   tick(late);
   EXPECT_DOUBLE_EQ(servo.port().delivered().total() - before, 2.5e-3);
-  EXPECT_EQ(servo.statistics().forces_corrected, 1u);
+  EXPECT_EQ(servo.statistics().device.forces_corrected, 1u);
   late = at(0, 0, 2e-3);
   late.held = elastic(0, 0, testing::servo::kNan);
   tick(late);
   EXPECT_EQ(device.last.force(), Vec3::Zero());
-  EXPECT_EQ(servo.statistics().device_faults, 1u);
+  EXPECT_EQ(servo.statistics().device.faults, 1u);
 }
 
 /// The device holds a force longer than the servo assumed. The account must subtract the energy of
@@ -201,7 +201,7 @@ WithoutTicks run_without_ticks() {
   return {.ended_well = thread.end(),
           .stood_still = task->result.stood_still,
           .end = task->result.end,
-          .device_faults = task->servo.statistics().device_faults};
+          .device_faults = task->servo.statistics().device.faults};
 }
 
 /// A device that returns without a tick is late, but its servo thread runs. The servo removes the
@@ -242,8 +242,8 @@ TEST(PacedLoop, ADeviceWithoutTicksHasAFaultAndHoldsNothing) {
   stop.set();
   loop.join();
   EXPECT_EQ(result->end, EndReason::requested);
-  EXPECT_GT(servo.statistics().device_faults, 1u);
-  EXPECT_LT(servo.statistics().device_faults, 1000u);  // The servo sleeps between its reads.
+  EXPECT_GT(servo.statistics().device.faults, 1u);
+  EXPECT_LT(servo.statistics().device.faults, 1000u);  // The servo sleeps between its reads.
 }
 
 }  // namespace

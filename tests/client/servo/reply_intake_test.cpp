@@ -18,7 +18,7 @@ struct Intake {
     ++samples;
     now += std::chrono::milliseconds(1);
     intake.made(samples, now);
-    intake.sent(samples, statistics);
+    intake.sent(samples, counts);
   }
   static Reply reply(std::uint64_t sample, double force) {
     Reply reply;
@@ -27,10 +27,10 @@ struct Intake {
     return reply;
   }
   ReplyIntake::Taken take(const Reply& reply, bool fades = false) {
-    return intake.take(reply, now, {samples, now, fades}, kHold, statistics);
+    return intake.take(reply, now, {samples, now, fades}, kHold, counts);
   }
   ReplyIntake intake;
-  ServoStatistics statistics;
+  ReplyCounts counts;
   std::uint64_t samples = 0;
   Nanoseconds now{1'000'000'000};
 };
@@ -42,9 +42,9 @@ TEST(ReplyIntake, TheNewestSampleWins) {
   const ReplyIntake::Taken old = all.take(Intake::reply(2, 9.0));
   EXPECT_FALSE(old.newest);
   EXPECT_EQ(all.intake.newest().command.elastic.z(), 2.0);
-  EXPECT_EQ(all.statistics.replies_stale, 1u);
-  EXPECT_EQ(all.statistics.answered, 2u) << "a late answer is an answer";
-  EXPECT_EQ(all.intake.lost_so_far(all.statistics), 2u) << "1 and 3";
+  EXPECT_EQ(all.counts.stale, 1u);
+  EXPECT_EQ(all.counts.answered, 2u) << "a late answer is an answer";
+  EXPECT_EQ(all.intake.lost_so_far(all.counts), 2u) << "1 and 3";
 }
 
 TEST(ReplyIntake, RefusesWhatNobodyAskedForAndWhatIsNoForce) {
@@ -53,7 +53,7 @@ TEST(ReplyIntake, RefusesWhatNobodyAskedForAndWhatIsNoForce) {
   EXPECT_FALSE(all.take(Intake::reply(0, 1.0)).newest);
   EXPECT_FALSE(all.take(Intake::reply(2, 1.0)).newest);
   EXPECT_FALSE(all.take(Intake::reply(1, std::numeric_limits<double>::infinity())).newest);
-  EXPECT_EQ(all.statistics.replies_refused, 3u);
+  EXPECT_EQ(all.counts.refused, 3u);
   EXPECT_FALSE(all.intake.has_reply());
 }
 
@@ -63,7 +63,7 @@ TEST(ReplyIntake, TellsAgeAndRoundTrip) {
   all.take(Intake::reply(7, 1.0));  // The reply's sample is 3 ms old.
   EXPECT_NEAR(all.intake.round_trip(), 3e-3, 1e-12);
   EXPECT_NEAR(all.intake.age(all.now + std::chrono::milliseconds(4)), 4e-3, 1e-12);
-  EXPECT_EQ(all.statistics.late, 1u);
+  EXPECT_EQ(all.counts.late, 1u);
 }
 
 /// After a pause the arrival time of a reply is unknown. The stage must assume the oldest possible
@@ -120,7 +120,7 @@ TEST(ReplyIntake, ANewSceneIsToldOnceAndNotForAnotherSession) {
   reloaded.sample_index = 3;
   EXPECT_FALSE(all.take(reloaded).scene_changed);
   all.sample();
-  all.intake.another_session(all.statistics);
+  all.intake.another_session(all.counts);
   EXPECT_FALSE(all.take(Intake::reply(4, 0.0)).scene_changed) << "it counts from zero";
 }
 
@@ -157,13 +157,13 @@ TEST(ReplyIntake, WithheldAnswersAreNotLost) {
   Reply reply = Intake::reply(10, 1.0);
   reply.withheld = 6;
   all.take(reply);
-  EXPECT_EQ(all.intake.lost_so_far(all.statistics), 3u);
+  EXPECT_EQ(all.intake.lost_so_far(all.counts), 3u);
   reply.sample_index = 11;
   reply.withheld = 1000;  // an impossible count
   all.sample();
   all.take(reply);
-  EXPECT_EQ(all.statistics.withheld, all.statistics.datagrams);
-  EXPECT_EQ(all.intake.lost_so_far(all.statistics), 0u);
+  EXPECT_EQ(all.counts.withheld, all.counts.datagrams);
+  EXPECT_EQ(all.intake.lost_so_far(all.counts), 0u);
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ std::uint64_t violations_against_an_adversary(const SessionParameters& p, std::u
     answer.reloads = reloads;
     under_way.emplace_back(now + seconds(0.05 * unit(random)), answer);
   }
-  EXPECT_GT(servo.statistics().answered, 0u);
+  EXPECT_GT(servo.statistics().replies.answered, 0u);
   EXPECT_GT(servo.statistics().max_force, 0.1);  // [N] The attack must produce a force.
   return servo.port().violations();
 }

@@ -55,8 +55,8 @@ TEST(Servo, TenThousandTicksOverASocketAllocateNothing) {
   }
   EXPECT_EQ(counted, 0u);
   EXPECT_EQ(replies, 9'999u);
-  EXPECT_GE(servo.statistics().datagrams, 4'000u);
-  EXPECT_LE(servo.statistics().datagrams, 5'000u);
+  EXPECT_GE(servo.statistics().replies.datagrams, 4'000u);
+  EXPECT_LE(servo.statistics().replies.datagrams, 5'000u);
   EXPECT_GT(servo.statistics().max_force, 0.0);
 
   const std::size_t before = test::allocations();

@@ -43,7 +43,7 @@ TEST(ServoFault, AReleasedHandIsLetGoWithinHalfTheHoldTime) {
     answer(bench, 7.0);
     EXPECT_EQ(bench.tick().force(), Vec3::Zero());
   }
-  EXPECT_EQ(bench.servo.statistics().answered, bench.servo.statistics().samples - 2);
+  EXPECT_EQ(bench.servo.statistics().replies.answered, bench.servo.statistics().samples - 2);
 }
 
 TEST(ServoFault, AReleaseLatePutsNothingOff) {
@@ -140,7 +140,7 @@ TEST(ServoFault, AfterADeviceFaultTheLimitsBeginAnew) {
     answer(waiting, 2.0);
     EXPECT_EQ(waiting.tick().force(), Vec3::Zero());
   }
-  EXPECT_EQ(waiting.servo.statistics().waiting, 10u);
+  EXPECT_EQ(waiting.servo.statistics().law.waiting, 10u);
 
   Bench ramped = holding(2.0, {.safety = {.ramp_up = 0.01}});
   for (int n = 0; n < 20; ++n) ramped.tick();
@@ -309,7 +309,7 @@ TEST(ServoFault, RepliesThatCannotBeLeaveTheOldOneToFade) {
     const double factor = std::min(1.0, (2.0 * kHalf - n - 1) / kHalf);
     EXPECT_NEAR(bench.tick().force().z(), 2.0 * std::max(factor, 0.0), 1e-9) << n;
   }
-  EXPECT_EQ(bench.servo.statistics().replies_refused, 10u * kHalf);
+  EXPECT_EQ(bench.servo.statistics().replies.refused, 10u * kHalf);
 }
 
 /// A scene commands a constant force, a hand presses or rests, and all kinds of faults occur. The

@@ -132,7 +132,7 @@ TEST(ServoLoop, EndsWithItsDurationAndLetsTheHandGo) {
   EXPECT_EQ(last.held.force(), Vec3::Zero());
   const ServoStatistics& s = run.servo.statistics();
   EXPECT_EQ(last.index, s.samples);
-  EXPECT_EQ(s.answered, s.samples);  // The loop must wait for the last reply.
+  EXPECT_EQ(s.replies.answered, s.samples);  // The loop must wait for the last reply.
   EXPECT_EQ(s.samples,
             // one tick per kept deadline, and one for the release
             run.result->wakeup_late.count() + 1);
@@ -234,7 +234,7 @@ TEST(ServoLoop, RepliesToSamplesNeverSentAreSilence) {
   });
   run.thread.join();
   EXPECT_EQ(run.result->end, EndReason::server_silent);
-  EXPECT_GT(run.servo.statistics().replies_refused, 0u);
+  EXPECT_GT(run.servo.statistics().replies.refused, 0u);
   EXPECT_EQ(run.device.largest, 0.0);
 }
 
@@ -246,7 +246,7 @@ TEST(ServoLoop, EndsWhenTheServerFallsSilent) {
   });
   run.thread.join();
   EXPECT_EQ(run.result->end, EndReason::server_silent);
-  EXPECT_GT(run.servo.statistics().samples, run.servo.statistics().answered);
+  EXPECT_GT(run.servo.statistics().samples, run.servo.statistics().replies.answered);
 }
 
 TEST(ServoLoop, AHeldUpLoopPassesOverDeadlinesInsteadOfCatchingUp) {

@@ -40,9 +40,9 @@ TEST(ServoModel, RendersTheModelWhereTheDeviceIsNow) {
     EXPECT_NEAR(given.elastic.z(), 1000.0 * depth, 1e-12);
     EXPECT_EQ(bench.servo.command().elastic, given.elastic);
   }
-  EXPECT_EQ(bench.servo.statistics().modelled, 5u);
-  EXPECT_EQ(bench.servo.statistics().models, 1u);
-  EXPECT_EQ(bench.servo.statistics().patches, 1u);
+  EXPECT_EQ(bench.servo.statistics().local_model.from_model, 5u);
+  EXPECT_EQ(bench.servo.statistics().local_model.received, 1u);
+  EXPECT_EQ(bench.servo.statistics().local_model.patches, 1u);
 }
 
 TEST(ServoModel, FadesAsCommandsDo) {
@@ -81,8 +81,8 @@ TEST(ServoModel, HandsOverToTheReplyWithoutAStep) {
     before = given;
   }
   EXPECT_TRUE(beyond);
-  EXPECT_GT(bench.servo.statistics().half_modelled, 900u);
-  EXPECT_GT(bench.servo.statistics().beyond_model, 900u);
+  EXPECT_GT(bench.servo.statistics().local_model.from_both, 900u);
+  EXPECT_GT(bench.servo.statistics().local_model.beyond_reach, 900u);
 }
 
 TEST(ServoModel, AReplyWithoutOneEndsIt) {

@@ -23,7 +23,7 @@ TEST(ServoSafety, SlewLimitsTheRiseOnly) {
   EXPECT_TRUE(direction(bench.servo.held().force()).isApprox(Vec3(0, 0.6, 0.8)));
   bench.servo.take(reply(4, elastic(0, 0, 0.1)), bench.now);
   EXPECT_NEAR(bench.tick().force().norm(), 0.1, 1e-12);
-  EXPECT_EQ(bench.servo.statistics().slewed, 3u);
+  EXPECT_EQ(bench.servo.statistics().law.slewed, 3u);
 }
 
 TEST(ServoSafety, SlewStartsFromWhatTheDeviceHeld) {
@@ -41,8 +41,8 @@ TEST(ServoSafety, AMaximumBelowTheDevicesOwnGoesWithEveryMode) {
   bench.tick();
   bench.servo.take(reply(1, elastic(0, 3, 4)), bench.now);
   EXPECT_TRUE(bench.tick().force().isApprox(Vec3(0, 1.2, 1.6)));
-  EXPECT_EQ(bench.servo.statistics().force_limited, 1u);
-  EXPECT_EQ(bench.servo.statistics().saturated, 0u);
+  EXPECT_EQ(bench.servo.statistics().law.force_limited, 1u);
+  EXPECT_EQ(bench.servo.statistics().law.saturated, 0u);
   for (const std::string_view mode : bounding_method_names())
     EXPECT_NO_THROW(validate({.safety = {.force = {.max = 2.0, .small = 0.1}}}, parameters(mode)));
 }
@@ -53,14 +53,14 @@ TEST(ServoSafety, ADeviceThatIsTooFastLosesItsForce) {
   bench.servo.take(reply(1, elastic(0, 0, 4)), bench.now);
   double z = 0.0;
   for (int i = 0; i < 40; ++i) bench.tick(at(0, 0, z += 0.9e-3));
-  EXPECT_EQ(bench.servo.statistics().too_fast, 0u);
+  EXPECT_EQ(bench.servo.statistics().law.too_fast, 0u);
   EXPECT_EQ(bench.servo.held().force(), Vec3(0, 0, 4));
   for (int i = 0; i < 40; ++i) {
     bench.servo.take(reply(bench.servo.sample().index, elastic(0, 0, 4)), bench.now);
     bench.tick(at(0, 0, z += 3e-3));
   }
   EXPECT_EQ(bench.servo.held().force(), Vec3::Zero());
-  EXPECT_GT(bench.servo.statistics().too_fast, 30u);
+  EXPECT_GT(bench.servo.statistics().law.too_fast, 30u);
 }
 
 TEST(ServoSafety, LimitsOnGrowthGoOnlyWithModesThatAdmitThem) {
@@ -130,13 +130,13 @@ TEST(ServoSafety, OnlyTheScenesOwnSmallForceEndsTheWait) {
     bench.tick({.pose = {}, .ok = false});
     bench.servo.take(reply(bench.servo.sample().index, elastic(0, 0, 4)), bench.now);
     EXPECT_EQ(bench.tick().force(), Vec3::Zero());
-    EXPECT_EQ(bench.servo.statistics().waiting, 1u);
+    EXPECT_EQ(bench.servo.statistics().law.waiting, 1u);
     // This small force must end the wait.
     bench.servo.take(reply(bench.servo.sample().index, elastic(0, 0, 0.05)), bench.now);
     bench.tick();
     bench.servo.take(reply(bench.servo.sample().index, elastic(0, 0, 4)), bench.now);
     EXPECT_EQ(bench.tick().force(), Vec3(0, 0, 4));
-    EXPECT_EQ(bench.servo.statistics().waiting, 1u);
+    EXPECT_EQ(bench.servo.statistics().law.waiting, 1u);
   }
 }
 
@@ -150,7 +150,7 @@ TEST(ServoSafety, TheRampCountsFromTheFirstContact) {
   bench.servo.take(reply(bench.servo.sample().index, elastic(0, 0, 5)), bench.now);
   for (int n = 0; n < 20; ++n)
     EXPECT_NEAR(bench.tick().force().z(), 5.0 * std::min(1.0, 0.1 * n), 1e-9) << n;
-  EXPECT_NEAR(static_cast<double>(bench.servo.statistics().ramped), 10.0, 1.0);
+  EXPECT_NEAR(static_cast<double>(bench.servo.statistics().law.ramped), 10.0, 1.0);
 }
 
 }  // namespace

@@ -77,7 +77,7 @@ TEST(Servo, WithheldIsNotLost) {
   EXPECT_EQ(bench.servo.lost_so_far(), 0u);
   answer(1, 0);
   answer(8, 4);  // The server withheld four of the answers 2 to 7, and two were lost.
-  EXPECT_EQ(bench.servo.statistics().withheld, 4u);
+  EXPECT_EQ(bench.servo.statistics().replies.withheld, 4u);
   EXPECT_EQ(bench.servo.lost_so_far(), 2u);
   EXPECT_EQ(bench.servo.lost(), 2u);  // The server may have withheld 9 and 10.
   EXPECT_TRUE(bench.servo.awaits_answer());
@@ -86,7 +86,7 @@ TEST(Servo, WithheldIsNotLost) {
   bench.tick();
   bench.servo.sent();
   answer(11, 0);
-  EXPECT_EQ(bench.servo.statistics().withheld, 4u);
+  EXPECT_EQ(bench.servo.statistics().replies.withheld, 4u);
   EXPECT_EQ(bench.servo.lost_so_far(), 4u);  // The sum includes 9 and 10 of the old session.
   answer(11, ~std::uint64_t{0});
   EXPECT_LE(bench.servo.lost(), 11u);
@@ -127,7 +127,7 @@ TEST(Servo, OnlyAFreshReplyMakesACommandYoungAgain) {
   const Command given = bench.tick({}, Nanoseconds(0));
   EXPECT_EQ(bench.now - arrived, seconds(0.075));
   EXPECT_TRUE(given.elastic.isApprox(Vec3(0, 0, 1)));
-  EXPECT_EQ(bench.servo.statistics().replies_stale, 2u);
+  EXPECT_EQ(bench.servo.statistics().replies.stale, 2u);
   EXPECT_TRUE(bench.servo.take(reply(3, elastic(0, 3, 0)), bench.now));
   // The force rises at the rate of the fade: 40 % in 20 ms.
   EXPECT_TRUE(bench.tick({}, seconds(0.02)).elastic.isApprox(Vec3(0, 0.9 * 3, 0)));
@@ -142,8 +142,8 @@ TEST(Servo, AnswersToSamplesNeverMadeAreRefused) {
   EXPECT_FALSE(bench.servo.take(reply(2, elastic(0, 0, 5)), bench.now));
   EXPECT_FALSE(bench.servo.take(reply(std::numeric_limits<std::uint64_t>::max(), elastic(0, 0, 5)),
                                 bench.now));
-  EXPECT_EQ(bench.servo.statistics().replies_refused, 4u);
-  EXPECT_EQ(bench.servo.statistics().answered, 0u);
+  EXPECT_EQ(bench.servo.statistics().replies.refused, 4u);
+  EXPECT_EQ(bench.servo.statistics().replies.answered, 0u);
   EXPECT_EQ(bench.tick().force(), Vec3::Zero());
   // The refused answers must not block the true reply.
   EXPECT_TRUE(bench.servo.take(reply(1, elastic(0, 0, 1)), bench.now));
@@ -160,7 +160,7 @@ TEST(Servo, NotFiniteOrAbsurdRepliesGiveNoForce) {
                          bench.now);
         EXPECT_EQ(bench.tick(at(0, 0, -0.01)).force(), Vec3::Zero()) << bad;
         EXPECT_EQ(bench.tick(at(0, 0, -0.02)).force(), Vec3::Zero()) << bad;
-        EXPECT_EQ(bench.servo.statistics().replies_refused, 1u) << bad;
+        EXPECT_EQ(bench.servo.statistics().replies.refused, 1u) << bad;
       }
     }
   }
@@ -182,7 +182,7 @@ TEST(Servo, FaultyReadingsGiveNoForceAndTheLastGoodPose) {
     EXPECT_EQ(bench.tick(at(1, 2, 3)).force(), Vec3(0, 0, 2));
     EXPECT_EQ(bench.tick(reading).force(), Vec3::Zero());
     EXPECT_EQ(bench.servo.sample().pose.position, Vec3(1, 2, 3));
-    EXPECT_EQ(bench.servo.statistics().device_faults, 1u);
+    EXPECT_EQ(bench.servo.statistics().device.faults, 1u);
     // The hand moved during the fault. The work of this jump is unknown and must not count.
     const double before = bench.servo.port().delivered().total();
     bench.tick(at(9, 9, 9));
@@ -217,7 +217,7 @@ TEST(Servo, WhatADeviceCannotSayItHoldsIsAFault) {
   bench.servo.render(at(0, 0, 0), bench.now += kPeriod);
   const Sample* sample = bench.servo.hold(elastic(kNan, 0, 0));
   EXPECT_EQ(sample->held.force(), Vec3::Zero());
-  EXPECT_EQ(bench.servo.statistics().device_faults, 1u);
+  EXPECT_EQ(bench.servo.statistics().device.faults, 1u);
 }
 
 TEST(Servo, WhatTheDeviceReallyHeldIsWhatTheBoundBuildsOn) {
@@ -255,7 +255,7 @@ TEST(Servo, ASpringAtTheLimitIsRenderedUndiminished) {
     bench.servo.take(reply(bench.servo.sample().index, elastic(0, 0, -kStiffness * z)), bench.now);
     EXPECT_NEAR(bench.tick(at(0, 0, z)).force().z(), -kStiffness * z, 1e-9);
   }
-  EXPECT_EQ(bench.servo.statistics().bound_active, 0u);
+  EXPECT_EQ(bench.servo.statistics().law.bound_active, 0u);
   EXPECT_EQ(bench.servo.port().violations(), 0u);
 }
 
@@ -264,7 +264,7 @@ TEST(Servo, OnTheServersSideTheGuardAndTheSafetyClampsStay) {
   bench.tick();
   bench.servo.take(reply(1, elastic(0, 0, 7)), bench.now);
   EXPECT_EQ(bench.tick().force(), Vec3::Zero());  // The device has not dissipated energy yet.
-  EXPECT_EQ(bench.servo.statistics().account_cut, 1u);
+  EXPECT_EQ(bench.servo.statistics().law.account_cut, 1u);
   EXPECT_EQ(bench.servo.account_cut(), 1.0);
   for (int n = 1; n <= 30; ++n) bench.tick(at(2e-3 * n, 0, 0));
   EXPECT_EQ(bench.tick(at(0.06, 0, 0)).force(),
@@ -273,7 +273,7 @@ TEST(Servo, OnTheServersSideTheGuardAndTheSafetyClampsStay) {
   bench.servo.take(reply(2, elastic(300, 0, 400)), bench.now);
   EXPECT_TRUE(
       bench.tick(at(0.06, 0, 0)).force().isApprox(bench.spec.max_force * Vec3(0.6, 0, 0.8)));
-  EXPECT_EQ(bench.servo.statistics().saturated, 1u);
+  EXPECT_EQ(bench.servo.statistics().law.saturated, 1u);
 }
 
 TEST(Servo, WhatTheDeviceDoesNotActuateIsNotGiven) {
@@ -299,11 +299,11 @@ TEST(Servo, CountsEachAnswerOnceAndMeasuresFromTheSample) {
   bench.servo.take(reply(2, {}), last + std::chrono::microseconds(400));
   bench.servo.take(reply(4, {}), last + std::chrono::microseconds(400));
   const ServoStatistics& s = bench.servo.statistics();
-  EXPECT_EQ(s.answered, 2u);
-  EXPECT_EQ(s.late, 1u);
-  EXPECT_EQ(s.round_trip.count(), 2u);
-  EXPECT_EQ(s.round_trip.max(), 2'300'000u);
-  EXPECT_NEAR(s.round_trip.quantile(0.5), 200'000.0, 200'000.0 / 256.0);
+  EXPECT_EQ(s.replies.answered, 2u);
+  EXPECT_EQ(s.replies.late, 1u);
+  EXPECT_EQ(s.replies.round_trip.count(), 2u);
+  EXPECT_EQ(s.replies.round_trip.max(), 2'300'000u);
+  EXPECT_NEAR(s.replies.round_trip.quantile(0.5), 200'000.0, 200'000.0 / 256.0);
 }
 
 TEST(Servo, DirectionErrorIsTheAngleToTheCommand) {

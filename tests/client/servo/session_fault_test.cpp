@@ -208,7 +208,7 @@ TEST(SessionFault, WhatIsDroppedIsCountedUnderItsName) {
   EXPECT_EQ(world.hand.dropped(DropReason::not_finite), 5u);
   world.down = reply_to_the_future;
   world.run(5);
-  EXPECT_EQ(world.hand.servo.statistics().replies_refused, 5u);
+  EXPECT_EQ(world.hand.servo.statistics().replies.refused, 5u);
 }
 
 TEST(SessionFault, SilenceIsEvictedAndSaysSo) {

@@ -53,7 +53,7 @@ TEST(Shaped, AsksTheLocalModelHalfASampleAhead) {
       EXPECT_NEAR(bench.tick(at(0, 0, z)).elastic.z(), -kStiffness * (z + 0.5 * way), 1e-12);
       EXPECT_TRUE(bench.servo.near());
     }
-    EXPECT_EQ(bench.servo.statistics().account_cut, 0u);
+    EXPECT_EQ(bench.servo.statistics().law.account_cut, 0u);
     EXPECT_EQ(bench.servo.port().violations(), 0u);
   }
   // A method with its own bound evaluates the model at the device's position.
@@ -69,7 +69,7 @@ TEST(Shaped, ADeviceThatHasBurnedNothingGivesNothing) {
   bench.servo.take(floor_reply(1, 4e4), bench.now);
   bench.tick(at(0, 0, 1e-6));
   EXPECT_LT(bench.tick(at(0, 0, -2e-6)).force().norm(), 0.01);  // [N] The scene commands 0.14 N.
-  EXPECT_EQ(bench.servo.statistics().account_cut, 1u);
+  EXPECT_EQ(bench.servo.statistics().law.account_cut, 1u);
   EXPECT_GT(bench.servo.account_cut(), 0.9);
   EXPECT_LE(bench.servo.account_cut(), 1.0);
   EXPECT_EQ(bench.servo.account()->statistics().overdrawn, 0u);
@@ -81,7 +81,7 @@ TEST(Shaped, BeyondTheModelItIsCreditedWithTheDampingOfAHand) {
   bench.servo.take(floor_reply(bench.servo.sample().index, kStiffness, 1e-3), bench.now);
   bench.tick(at(0, 0, 0));
   EXPECT_TRUE(bench.servo.near());
-  const std::uint64_t before = bench.servo.statistics().hand_overs;
+  const std::uint64_t before = bench.servo.statistics().local_model.hand_overs;
   // Only the reply's 1 N remains. This force rises by 2 (b + a) / T per metre.
   const double c = 2.0 * (0.5 + 1.5) / 1e-3;
   EXPECT_EQ(bench.tick(surely_at(0.01, 0, 0)).elastic.z(), 0.0);
@@ -89,7 +89,7 @@ TEST(Shaped, BeyondTheModelItIsCreditedWithTheDampingOfAHand) {
   EXPECT_EQ(bench.tick(surely_at(0.01, 0, 0)).elastic.z(), 0.0);
   EXPECT_NEAR(bench.tick(surely_at(0.01, 0, -1e-4)).elastic.z(), 1e-4 * 1e3 + 1.5e-4 * (c - 1e3),
               1e-12);
-  EXPECT_EQ(bench.servo.statistics().hand_overs, before + 1);
+  EXPECT_EQ(bench.servo.statistics().local_model.hand_overs, before + 1);
   ASSERT_TRUE(bench.servo.hand_credit());
   EXPECT_EQ(bench.servo.hand_credit()->damping, 1.5);
 }
@@ -286,7 +286,7 @@ TEST(Shaped, PerAxisNeedsNoAccount) {
       bench.tick(at(position.x(), position.y(), position.z()));
     }
     EXPECT_GT(bench.servo.statistics().max_force, 1.0) << mode;
-    return bench.servo.statistics().account_cut;
+    return bench.servo.statistics().law.account_cut;
   };
   EXPECT_EQ(cuts("per_axis"), 0u);
   EXPECT_GT(cuts("total_energy"), 0u);

@@ -37,16 +37,17 @@ struct Floor {
   explicit Floor(const SessionParameters& p = modelled(), const Reply& reply = floor_reply())
       : parameters(p), environment(spec, p, options), law(spec, p, options) {
     replies.made(1, now);
-    replies.take(reply, now, {.newest_sample = 1, .last_tick = now}, p.hold_time, statistics);
-    environment.take(replies, 1, p.hold_time, statistics);
+    replies.take(reply, now, {.newest_sample = 1, .last_tick = now}, p.hold_time,
+                 statistics.replies);
+    environment.take(replies, 1, p.hold_time, statistics.local_model);
   }
   Command at(const Vec3& place) {
     BoundingStep step;
     step.hold_time = parameters.servo_period;
     step.displacement = place - pose.position;
     pose.position = place;
-    const Command command =
-        environment.command(step, law.bounding, pose, replies, parameters, now, statistics);
+    const Command command = environment.command(step, law.bounding, pose, replies, parameters, now,
+                                                statistics.local_model);
     local = step.local;
     return command;
   }
@@ -69,8 +70,8 @@ TEST(VirtualEnvironment, TheModelAnswersWhereTheDeviceIsNow) {
     EXPECT_TRUE(floor.local);
     EXPECT_TRUE(floor.environment.near());
   }
-  EXPECT_EQ(floor.statistics.modelled, 3u);
-  EXPECT_EQ(floor.statistics.hand_overs, 1u);
+  EXPECT_EQ(floor.statistics.local_model.from_model, 3u);
+  EXPECT_EQ(floor.statistics.local_model.hand_overs, 1u);
 }
 
 TEST(VirtualEnvironment, BeyondTheReachTheReplyAnswers) {
@@ -78,8 +79,8 @@ TEST(VirtualEnvironment, BeyondTheReachTheReplyAnswers) {
   floor.at({0, 0, -1e-3});
   EXPECT_EQ(floor.at({0.05, 0, -1e-3}).elastic.z(), 7.0);
   EXPECT_FALSE(floor.environment.near());
-  EXPECT_EQ(floor.statistics.beyond_model, 1u);
-  EXPECT_EQ(floor.statistics.hand_overs, 2u);
+  EXPECT_EQ(floor.statistics.local_model.beyond_reach, 1u);
+  EXPECT_EQ(floor.statistics.local_model.hand_overs, 2u);
 }
 
 TEST(VirtualEnvironment, WithoutLocalModelTheReplyAnswers) {
@@ -88,7 +89,8 @@ TEST(VirtualEnvironment, WithoutLocalModelTheReplyAnswers) {
   Floor floor(p);
   EXPECT_EQ(floor.at({0, 0, -1e-3}).elastic.z(), 7.0);
   EXPECT_FALSE(floor.local);
-  EXPECT_EQ(floor.statistics.modelled + floor.statistics.beyond_model, 0u);
+  EXPECT_EQ(floor.statistics.local_model.from_model + floor.statistics.local_model.beyond_reach,
+            0u);
 }
 
 TEST(VirtualEnvironment, WhatIsForgottenAnswersNoMore) {

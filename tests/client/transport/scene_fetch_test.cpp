@@ -129,7 +129,7 @@ TEST_F(SceneFetchTest, FeelsTheWholeMeshFromThenOn) {
   EXPECT_EQ(fetch.known(), 1u);
   client.stop.set();
   client.finish();
-  EXPECT_GT(client.servo.statistics().whole_models, 0u);
+  EXPECT_GT(client.servo.statistics().local_model.whole, 0u);
   const FetchedScene* more = nullptr;
   EXPECT_FALSE(ready.pop(more));
   EXPECT_TRUE(status.fetched->surfaces->has(0));
@@ -168,7 +168,7 @@ TEST_F(SceneFetchTest, FeelsTheWholeBodyFromThenOn) {
   EXPECT_GT(contact.touching, 100u);
   client.stop.set();
   client.finish();
-  EXPECT_GT(client.servo.statistics().whole_models, 0u);
+  EXPECT_GT(client.servo.statistics().local_model.whole, 0u);
 }
 
 TEST_F(SceneFetchTest, ASceneWithoutMeshesHasNothingToFetch) {

@@ -106,8 +106,8 @@ TEST_F(LinkRelayTest, TwoClientsApartEachWithItsOwnFates) {
   for (Client* client : {&first, &second}) {
     const ServoStatistics& s = client->servo.statistics();
     EXPECT_EQ(client->result->end, EndReason::device_ended);
-    EXPECT_GT(s.answered, s.samples / 2);
-    EXPECT_LT(s.answered, s.samples);
+    EXPECT_GT(s.replies.answered, s.samples / 2);
+    EXPECT_LT(s.replies.answered, s.samples);
     EXPECT_EQ(client->servo.port().violations(), 0u);
     EXPECT_EQ(client->transport.statistics().dropped, TransportStatistics{}.dropped);
     EXPECT_THAT(entered, ::testing::Contains(::testing::AllOf(::testing::Ge(s.samples),
@@ -131,7 +131,7 @@ TEST_F(LinkRelayTest, TheFirstClientMeetsWhatALinkOfItsOwnWouldDo) {
     through += static_cast<std::uint64_t>(up.next(200, Nanoseconds(0)).copies);
   for (std::uint64_t i = 0; i < through; ++i)
     answered += static_cast<std::uint64_t>(down.next(200, Nanoseconds(0)).copies);
-  EXPECT_EQ(s.answered, answered);
+  EXPECT_EQ(s.replies.answered, answered);
   EXPECT_LT(answered, s.samples);
 }
 

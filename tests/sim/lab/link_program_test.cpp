@@ -48,7 +48,7 @@ TEST_F(LinkProgram, RelaysUntilItIsToldAndThenReports) {
       client.start();
       client.finish();
       EXPECT_EQ(client.result->end, EndReason::device_ended);
-      EXPECT_GT(client.servo.statistics().answered, 0u);
+      EXPECT_GT(client.servo.statistics().replies.answered, 0u);
     }
     program.signal(ending);
     EXPECT_EQ(program.finish().status, 0);

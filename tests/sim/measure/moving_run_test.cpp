@@ -80,11 +80,11 @@ TEST(MovingRun, TheClientHearsThatWhatMovesWasPutBack) {
   // The body is light enough for the force of a device.
   const NetworkRunResult run = run_network(test::explosive(1e-6), options);
   EXPECT_GE(run.server.world.resets, 1u);
-  EXPECT_GE(run.servo.scene_resets, 1u);
-  EXPECT_LE(run.servo.scene_resets, run.server.world.resets);
+  EXPECT_GE(run.servo.replies.scene_resets, 1u);
+  EXPECT_LE(run.servo.replies.scene_resets, run.server.world.resets);
   EXPECT_EQ(run.measured_port.violations(), 0u);
   const NetworkRunResult calm = run_network(elevator(), carrying(BoundingSide::client, "delay=0"));
-  EXPECT_EQ(calm.servo.scene_resets, 0u);
+  EXPECT_EQ(calm.servo.replies.scene_resets, 0u);
 }
 
 /// The rendered share of the commanded force, upwards and downwards.

@@ -139,7 +139,7 @@ TEST(NetworkRun, EveryDatagramIsAccountedFor) {
     EXPECT_EQ(r.server.datagrams, r.server.samples.replies + total(r.server.drops)) << link;
     EXPECT_EQ(r.down.datagrams, r.server.samples.replies) << link;
     // Each returned datagram was dropped, was too old, or answered a sample without an answer yet.
-    EXPECT_EQ(r.down_link.delivered, r.servo.answered + total(r.client_drops)) << link;
+    EXPECT_EQ(r.down_link.delivered, r.servo.replies.answered + total(r.client_drops)) << link;
     EXPECT_EQ(r.servo.samples, r.samples.size()) << link;
     EXPECT_GT(r.up.bytes, r.up.datagrams * kHeadersOnTheWire) << link;
     EXPECT_FALSE(r.goodbye);
@@ -182,7 +182,7 @@ TEST(NetworkRun, AServerThatHearsNothingSaysGoodbyeAndTheForceIsGone) {
   const auto r = run_network(floor(), options);
   EXPECT_TRUE(r.goodbye);
   EXPECT_EQ(r.server.silent, 1u);
-  EXPECT_EQ(r.servo.answered, 0u);
+  EXPECT_EQ(r.servo.replies.answered, 0u);
   EXPECT_EQ(r.servo.max_force, 0.0);
   EXPECT_NEAR(static_cast<double>(r.up.datagrams), 501.0, 1.0);  // The client then stops sending.
 }
@@ -243,10 +243,10 @@ TEST(NetworkRun, ALightHandThatIsCreditedAHeavyOnesDampingIsGivenNoEnergy) {
   NetworkRunOptions options = sliding(BoundingSide::client, "delay=5");
   options.hand.task.path = HandPath::press;
   options.hand.hand = {.mass = 0.02, .damping = 0.5, .stiffness = 300.0};
-  EXPECT_EQ(run_network(wall, options).servo.account_cut, 0u);
+  EXPECT_EQ(run_network(wall, options).servo.law.account_cut, 0u);
   options.parameters.operator_damping = 5.0;
   const auto told = run_network(wall, options);
-  EXPECT_GT(told.servo.account_cut, 10u);
+  EXPECT_GT(told.servo.law.account_cut, 10u);
   EXPECT_GE(told.least_device_margin, -1e-6);
   EXPECT_GT(told.servo.max_force, 0.1);
 }
@@ -254,7 +254,7 @@ TEST(NetworkRun, ALightHandThatIsCreditedAHeavyOnesDampingIsGivenNoEnergy) {
 TEST(NetworkRun, WhereNobodyBoundsAHandTakesAllAndWhereTheServerDoesTheGuardKeepsIt) {
   NetworkRunOptions options = taking(BoundingSide::server, "delay=10");
   const auto cut = run_network(floor(), options);
-  EXPECT_GT(cut.servo.account_cut, 0u);
+  EXPECT_GT(cut.servo.law.account_cut, 0u);
   EXPECT_EQ(cut.true_port.violations(), 0u);
   options.parameters.mode = "none";
   EXPECT_LT(run_network(floor(), options).true_port.least_margin(), -0.01);  // [J]

@@ -85,13 +85,13 @@ TEST(ShapedSession, AFineMeshIsFeltAtAnyRoundTripWhereItTravelsWhole) {
     EXPECT_GE(result.least_device_margin, -1e-6) << link;
     if (near == 0.0) near = felt(result);
     EXPECT_NEAR(felt(result), near, 0.05) << link;
-    EXPECT_EQ(result.servo.whole_models, result.servo.models);
+    EXPECT_EQ(result.servo.local_model.whole, result.servo.local_model.received);
   }
   NetworkRunOptions patches = options_of({}, "delay=50", true, HandPath::slide);
   patches.hand.task.center = bunny.start().position;
   patches.whole_scene = false;
   const NetworkRunResult result = run_network(bunny, patches);
-  EXPECT_EQ(result.servo.whole_models, 0u);
+  EXPECT_EQ(result.servo.local_model.whole, 0u);
   EXPECT_LT(felt(result), 0.8 * near);
 }
 
