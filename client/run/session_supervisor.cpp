@@ -17,10 +17,10 @@ bool SessionSupervisor::look() noexcept {
   const bool lost = fresh && connected_ && !status.connected;
   if (fresh) connected_ = status.connected;
   if (running) parts_.reconnector.look(connected_, Reconnector::Clock::now());
-  if (fresh) parts_.fetch.in_use(status.fetched);
+  if (fresh) parts_.fetch.in_use(status.scene.fetched);
   if (session_ != 0 && parts_.reconnector.session() != 0) session_ = parts_.reconnector.session();
   if (running && fresh && connected_)
-    parts_.fetch.look({session_, status.reloads}, SceneFetch::Clock::now());
+    parts_.fetch.look({session_, status.scene.reloads}, SceneFetch::Clock::now());
   tell_of_fetch();
   if (lost) write_flight_record("the session was lost");
   if (!parts_.reconnector.refusal().empty()) parts_.thread.stop();

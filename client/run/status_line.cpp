@@ -28,7 +28,8 @@ std::string one_way(const char* way, double delay, double jitter, bool known) {
 /// it temporarily.
 double loss(const LiveStatus& status, const LiveStatus& before) {
   const double samples = static_cast<double>(status.samples - before.samples);
-  const double lost = static_cast<double>(status.lost - std::min(status.lost, before.lost));
+  const double lost =
+      static_cast<double>(status.network.lost - std::min(status.network.lost, before.network.lost));
   return samples > 0.0 ? kPercent * std::min(lost / samples, 1.0) : 0.0;
 }
 
@@ -75,12 +76,12 @@ std::string shaping(const LiveStatus& s) {
 
 /// Returns a text such as "  account +0.0120 J, cuts 34 % of the ticks".
 std::string account(const LiveStatus& s, const LiveStatus& before) {
-  if (!s.balance) return {};
+  if (!s.account.balance) return {};
   std::array<char, kLongest> part{};
-  std::snprintf(part.data(), part.size(), "  account %+.4f J", *s.balance);
+  std::snprintf(part.data(), part.size(), "  account %+.4f J", *s.account.balance);
   std::string line = part.data();
-  if (s.account_cuts > before.account_cuts && s.samples > before.samples) {
-    const double cut = static_cast<double>(s.account_cuts - before.account_cuts);
+  if (s.account.cuts > before.account.cuts && s.samples > before.samples) {
+    const double cut = static_cast<double>(s.account.cuts - before.account.cuts);
     const double ticks = static_cast<double>(s.samples - before.samples);
     std::snprintf(part.data(), part.size(), ", cuts %.0f %% of the ticks",
                   kPercent * std::min(cut / ticks, 1.0));
@@ -103,25 +104,25 @@ std::string cut_contact(const LiveStatus& s, const LiveStatus& before) {
 
 /// Returns a text such as "  robot left aligning, turn by 0.42 rad".
 std::string robot(const LiveStatus& s) {
-  if (!s.robot) return {};
+  if (!s.robot.state) return {};
   std::string line = "  robot ";
-  if (!s.robot_name.empty()) line += visible(s.robot_name) + " ";
-  line += name(*s.robot);
-  if (*s.robot != LinkState::aligning || !s.robot_turn) return line;
+  if (!s.robot.name.empty()) line += visible(s.robot.name) + " ";
+  line += name(*s.robot.state);
+  if (*s.robot.state != LinkState::aligning || !s.robot.turn) return line;
   std::array<char, kLongest> part{};
-  std::snprintf(part.data(), part.size(), ", turn by %.2f rad", *s.robot_turn);
+  std::snprintf(part.data(), part.size(), ", turn by %.2f rad", *s.robot.turn);
   return line + part.data();
 }
 
 /// Returns the device faults and the time of slow device calls, or an empty text.
 std::string device(const LiveStatus& s, const LiveStatus& before) {
-  std::string line = device_faults_text(s.device_faults, s.jumps);
+  std::string line = device_faults_text(s.device.faults, s.device.jumps);
   if (!line.empty()) line.replace(0, 1, " ");
-  if (s.slow_ticks <= before.slow_ticks) return line;
+  if (s.device.slow_ticks <= before.device.slow_ticks) return line;
   std::array<char, kLongest> part{};
   std::snprintf(part.data(), part.size(),
                 "  the device is slow: its calls took %.1f ms of a tick (docs/devices.md)",
-                kMilli * s.device_took);
+                kMilli * s.device.took);
   return line + part.data();
 }
 
@@ -129,9 +130,10 @@ std::string ending(const LiveStatus& s) {
   if (!s.connected) return "  reconnecting";
   if (s.no_force != ZeroForceReason::felt) return "  no force: " + std::string(text(s.no_force));
   if (!s.answered_lately) return "  no answer";
-  if (s.recovering) return "  what moves was put back";
-  return s.withholds_change ? "  the scene has changed: let go and touch anew to feel all of it"
-                            : "";
+  if (s.scene.recovering) return "  what moves was put back";
+  return s.scene.withholds_change
+             ? "  the scene has changed: let go and touch anew to feel all of it"
+             : "";
 }
 
 }  // namespace
@@ -140,15 +142,17 @@ std::string text(const LiveStatus& s, const LiveStatus& before) {
   const double elapsed = s.time - before.time;
   const double rate =
       elapsed > 0.0 ? static_cast<double>(s.samples - before.samples) / elapsed : 0.0;
-  const std::string up = one_way("up", s.delay_up, s.jitter_up, s.clock_known);
-  const std::string down = one_way("down", s.delay_down, s.jitter_down, s.clock_known);
+  const std::string up =
+      one_way("up", s.network.delay_up, s.network.jitter_up, s.network.clock_known);
+  const std::string down =
+      one_way("down", s.network.delay_down, s.network.jitter_down, s.network.clock_known);
   std::array<char, kLongest> line{};
   std::snprintf(line.data(), line.size(),
                 "%7.1f s %5.0f Hz  round trip %.0f/%.0f  %s  %s us  lost %.1f %%  force %5.2f N  "
                 "energy %+.4f J",
-                s.time, rate, kNanosecondsInUs * s.round_trip_p50,
-                kNanosecondsInUs * s.round_trip_p99, up.c_str(), down.c_str(), loss(s, before),
-                s.force, s.energy);
+                s.time, rate, kNanosecondsInUs * s.network.round_trip_p50,
+                kNanosecondsInUs * s.network.round_trip_p99, up.c_str(), down.c_str(),
+                loss(s, before), s.force, s.energy);
   return line.data() + feel(s, before) + shaping(s) + cut_contact(s, before) + account(s, before) +
          robot(s) + device(s, before) + ending(s);
 }

@@ -7,9 +7,13 @@ std::optional<double> balance_of(const Servo& servo) noexcept {
   return servo.account() ? std::optional(servo.account()->balance()) : std::nullopt;
 }
 
-std::optional<double> turn_of(const Servo& servo) noexcept {
-  if (!servo.remote() || !servo.remote()->remote().turn) return std::nullopt;
-  return servo.remote()->remote().turn->norm();
+RobotStatus robot_of(const Servo& servo) noexcept {
+  RobotStatus status{.name = servo.robot_name()};
+  if (!servo.remote()) return status;
+  const auto& robot = servo.remote()->remote();
+  status.state = robot.state;
+  if (robot.turn) status.turn = robot.turn->norm();
+  return status;
 }
 
 }  // namespace
@@ -19,14 +23,14 @@ LiveStatus live_status(const Servo& servo, double time, bool connected) noexcept
   const ClockEstimate& clock = servo.server_clock();
   return {.time = time,
           .samples = s.samples,
-          .lost = servo.lost_so_far(),
-          .round_trip_p50 = s.replies.round_trip.quantile(0.5),
-          .round_trip_p99 = s.replies.round_trip.quantile(0.99),
-          .clock_known = clock.known(),
-          .delay_up = clock.delay_up(),
-          .delay_down = clock.delay_down(),
-          .jitter_up = clock.jitter_up(),
-          .jitter_down = clock.jitter_down(),
+          .network = {.lost = servo.lost_so_far(),
+                      .round_trip_p50 = s.replies.round_trip.quantile(0.5),
+                      .round_trip_p99 = s.replies.round_trip.quantile(0.99),
+                      .clock_known = clock.known(),
+                      .delay_up = clock.delay_up(),
+                      .delay_down = clock.delay_down(),
+                      .jitter_up = clock.jitter_up(),
+                      .jitter_down = clock.jitter_down()},
           .force = length(servo.held().force()),
           .no_force = servo.no_force(),
           .oscillation = servo.measures().squares(),
@@ -35,21 +39,17 @@ LiveStatus live_status(const Servo& servo, double time, bool connected) noexcept
           .answered_lately =
               servo.has_reply() && servo.command_age() < 0.5 * servo.parameters().hold_time,
           .connected = connected,
-          .recovering = servo.newest_reply().recovering,
-          .withholds_change = servo.withholds_change(),
+          .scene = {.recovering = servo.newest_reply().recovering,
+                    .withholds_change = servo.withholds_change(),
+                    .reloads = servo.newest_reply().reloads,
+                    .fetched = servo.fetched()},
           .shapes = servo.shapes(),
           .near = servo.near(),
-          .contact_cuts = s.local_model.contact_cut,
-          .reloads = servo.newest_reply().reloads,
-          .fetched = servo.fetched(),
           .hand_credit = servo.hand_credit(),
-          .balance = balance_of(servo),
-          .account_cuts = s.law.account_cut,
-          .robot = servo.remote() ? std::optional(servo.remote()->remote().state) : std::nullopt,
-          .robot_name = servo.robot_name(),
-          .robot_turn = turn_of(servo),
-          .device_faults = s.device.faults,
-          .jumps = s.device.jumps};
+          .contact_cuts = s.local_model.contact_cut,
+          .account = {.balance = balance_of(servo), .cuts = s.law.account_cut},
+          .robot = robot_of(servo),
+          .device = {.faults = s.device.faults, .jumps = s.device.jumps}};
 }
 
 TickRecord tick_record(const Servo& servo, double time, Nanoseconds now) noexcept {

@@ -271,8 +271,8 @@ class Loop {
     next_status_ = now + kStatusPeriod;
     if (outputs_.status == nullptr) return;
     LiveStatus status = live_status(servo_, seconds(now - first_tick_), !session_.lost());
-    status.slow_ticks = result_.device.slow;
-    status.device_took = seconds(device_.take_longest());
+    status.device.slow_ticks = result_.device.slow;
+    status.device.took = seconds(device_.take_longest());
     outputs_.status->push(status);
   }
 

@@ -16,18 +16,16 @@ using ::testing::Not;
 LiveStatus under_way() {
   return {.time = 12.0,
           .samples = 12'000,
-          .lost = 48,
-          .round_trip_p50 = 123'000.0,
-          .round_trip_p99 = 456'000.0,
-          .clock_known = true,
-          .delay_up = 61e-6,
-          .delay_down = 1.25e-3,
-          .jitter_up = 3e-6,
-          .jitter_down = 40e-6,
+          .network = {.lost = 48,
+                      .round_trip_p50 = 123'000.0,
+                      .round_trip_p99 = 456'000.0,
+                      .clock_known = true,
+                      .delay_up = 61e-6,
+                      .delay_down = 1.25e-3,
+                      .jitter_up = 3e-6,
+                      .jitter_down = 40e-6},
           .force = 1.5,
           .no_force = ZeroForceReason::felt,
-          .oscillation = {},
-          .displayed_stiffness = {},
           .energy = -0.25,
           .answered_lately = true};
 }
@@ -36,7 +34,7 @@ TEST(StatusLine, SaysWhatTheNetworkDoes) {
   LiveStatus before;
   before.time = 11.0;
   before.samples = 11'000;
-  before.lost = 40;
+  before.network.lost = 40;
   EXPECT_EQ(text(under_way(), before),
             "   12.0 s  1000 Hz  round trip 123/456  up 61+-3  down 1250+-40 us  lost 0.8 %  "
             "force  1.50 N  energy -0.2500 J");
@@ -52,13 +50,13 @@ TEST(StatusLine, SaysNothingOfWhatIsNotKnown) {
 TEST(StatusLine, SaysThatTheDeviceFailsOrIsSlow) {
   LiveStatus now = under_way();
   EXPECT_THAT(text(now, {}), Not(HasSubstr("device")));
-  now.device_faults = 3;
+  now.device.faults = 3;
   EXPECT_THAT(text(now, now), HasSubstr("  3 device faults"));
-  now.device_faults = now.jumps = 1;
+  now.device.faults = now.device.jumps = 1;
   EXPECT_THAT(text(now, now), HasSubstr("  1 device fault (1 jump of its position)"));
   LiveStatus before = now;
-  now.slow_ticks = 12;
-  now.device_took = 0.0204;
+  now.device.slow_ticks = 12;
+  now.device.took = 0.0204;
   EXPECT_THAT(text(now, before), HasSubstr("  the device is slow: its calls took 20.4 ms"));
   EXPECT_THAT(text(now, now), Not(HasSubstr("slow"))) << "not any more";
 }
@@ -84,12 +82,12 @@ TEST(DeviceWords, ASlowDeviceGetsARemedy) {
 
 TEST(StatusLine, SaysWhetherTheRobotFollows) {
   LiveStatus now = under_way();
-  now.robot = LinkState::engaged;
+  now.robot.state = LinkState::engaged;
   EXPECT_THAT(text(now, {}), HasSubstr("  robot engaged"));
-  now.robot = LinkState::aligning;
-  now.robot_turn = 0.416;
+  now.robot.state = LinkState::aligning;
+  now.robot.turn = 0.416;
   EXPECT_THAT(text(now, {}), HasSubstr("  robot aligning, turn by 0.42 rad"));
-  now.robot_name = "left";
+  now.robot.name = "left";
   EXPECT_THAT(text(now, {}), HasSubstr("  robot left aligning, turn by 0.42 rad"));
 }
 
@@ -125,12 +123,12 @@ TEST(StatusLine, SaysHowTheForceIsShaped) {
 TEST(StatusLine, SaysWhatTheAccountHas) {
   LiveStatus before = under_way(), now = before;
   EXPECT_THAT(text(now, before), Not(HasSubstr("account")));
-  before.account_cuts = 400;
-  now.account_cuts = 400;
-  now.balance = 0.012;
+  before.account.cuts = 400;
+  now.account.cuts = 400;
+  now.account.balance = 0.012;
   EXPECT_THAT(text(now, before), EndsWith("J  account +0.0120 J"));
   now.samples += 1000;
-  now.account_cuts += 340;
+  now.account.cuts += 340;
   EXPECT_THAT(text(now, before), EndsWith("J  account +0.0120 J, cuts 34 % of the ticks"));
 }
 
@@ -158,15 +156,15 @@ TEST(StatusLine, SaysWhyThereIsNoForce) {
 TEST(StatusLine, LossIsAShareOfWhatWasSentSince) {
   LiveStatus before = under_way(), now = before;
   now.samples += 10;
-  now.lost += 400;  // The increase includes older answers that are still in the network.
+  now.network.lost += 400;  // The increase includes older answers that are still in the network.
   EXPECT_THAT(text(now, before), HasSubstr("lost 100.0 %"));
-  now.lost = before.lost - 5;  // Late answers arrived.
+  now.network.lost = before.network.lost - 5;  // Late answers arrived.
   EXPECT_THAT(text(now, before), HasSubstr("lost 0.0 %"));
 }
 
 TEST(StatusLine, SaysThatWhatMovesWasPutBack) {
   LiveStatus status = under_way();
-  status.recovering = true;
+  status.scene.recovering = true;
   EXPECT_THAT(text(status, {}), EndsWith("  what moves was put back"));
   status.answered_lately = false;
   EXPECT_THAT(text(status, {}), EndsWith("  no answer"));

@@ -80,8 +80,8 @@ struct FeelingClient : Statuses, Client {
     LiveStatus status;
     std::optional<std::uint64_t> since;  // [samples]
     test::eventually("the servo renders what was fetched", [&] {
-      while (statuses.pop(status)) fetch.in_use(status.fetched);
-      if (!since && status.fetched != nullptr && status.near) since = status.samples;
+      while (statuses.pop(status)) fetch.in_use(status.scene.fetched);
+      if (!since && status.scene.fetched != nullptr && status.near) since = status.samples;
       return since && status.near && status.samples >= *since + kTicks;
     });
     return status;
@@ -132,8 +132,8 @@ TEST_F(SceneFetchTest, FeelsTheWholeMeshFromThenOn) {
   EXPECT_GT(client.servo.statistics().local_model.whole, 0u);
   const FetchedScene* more = nullptr;
   EXPECT_FALSE(ready.pop(more));
-  EXPECT_TRUE(status.fetched->surfaces->has(0));
-  EXPECT_EQ(status.fetched->most_work, units_within(contact_budget(1e-3)));
+  EXPECT_TRUE(status.scene.fetched->surfaces->has(0));
+  EXPECT_EQ(status.scene.fetched->most_work, units_within(contact_budget(1e-3)));
   EXPECT_EQ(fetch.refusal(), "");
   EXPECT_EQ(status.contact_cuts, 0u);
 }
@@ -161,10 +161,10 @@ TEST_F(SceneFetchTest, FeelsTheWholeBodyFromThenOn) {
   look(fetch, {client.joined.accepted.session, 0}, "the server knows of ring and bunny",
        [&] { return fetch.known() == kSolids; });
   const LiveStatus status = client.renders(fetch);
-  EXPECT_EQ(status.fetched->objects.size(), kSolids);
-  ASSERT_NE(status.fetched->body, nullptr);
+  EXPECT_EQ(status.scene.fetched->objects.size(), kSolids);
+  ASSERT_NE(status.scene.fetched->body, nullptr);
   const ShellContact contact =
-      status.fetched->body->solids->contact({Vec3(0.03, 0, 0.02), {1, 0, 0, 0}});
+      status.scene.fetched->body->solids->contact({Vec3(0.03, 0, 0.02), {1, 0, 0, 0}});
   EXPECT_GT(contact.touching, 100u);
   client.stop.set();
   client.finish();
