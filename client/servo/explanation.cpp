@@ -13,7 +13,7 @@ constexpr double kSmallestForce = 1e-6;  // [N] the direction of a smaller force
 
 /// Returns whether the device has no fault, although the servo did not use its reading.
 bool without_fault(const ForceTrail& trail) {
-  return trail.clutched || trail.device_ended || trail.withheld != Withheld::nothing;
+  return trail.device.clutched || trail.device.ended || trail.device.withheld != Withheld::nothing;
 }
 
 /// Returns whether the hand can feel the reduction from `before` to `after`. A small reduction does
@@ -42,10 +42,10 @@ void Explanation::take(const Tick& tick, ServoStatistics& statistics) noexcept {
   if (!tick.released) {
     if (is_felt(tick.held))
       not_held_for_ = 0.0;
-    else if (is_felt(trail_.paid))
+    else if (is_felt(trail_.command.paid))
       not_held_for_ += tick.elapsed;
   }
-  trail_.held = tick.held;
+  trail_.command.held = tick.held;
   reason_ = zero_force_reason(trail_);
   ++statistics.no_force[static_cast<std::size_t>(reason_)];
   if (!tick.known) return;
@@ -58,9 +58,10 @@ void Explanation::take(const Tick& tick, ServoStatistics& statistics) noexcept {
 /// Returns the share of the command that the energy account removes. The account scales force and
 /// torque by the same factor, so either shows this share.
 double Explanation::account_cut() const noexcept {
-  const double force = length(trail_.safe.force()), torque = length(trail_.safe.torque);
-  if (force > 0.0) return std::clamp(1.0 - length(trail_.paid.force()) / force, 0.0, 1.0);
-  return torque > 0.0 ? std::clamp(1.0 - length(trail_.paid.torque) / torque, 0.0, 1.0) : 0.0;
+  const Command &safe = trail_.command.safe, &paid = trail_.command.paid;
+  const double force = length(safe.force()), torque = length(safe.torque);
+  if (force > 0.0) return std::clamp(1.0 - length(paid.force()) / force, 0.0, 1.0);
+  return torque > 0.0 ? std::clamp(1.0 - length(paid.torque) / torque, 0.0, 1.0) : 0.0;
 }
 
 std::uint32_t Explanation::reasons(const State& state) const noexcept {
@@ -68,32 +69,33 @@ std::uint32_t Explanation::reasons(const State& state) const noexcept {
   const auto put = [&](HandReason reason, bool holds) {
     if (holds) reasons |= bit(reason);
   };
-  const bool asked = length(trail_.asked.force()) > kFeltForce;
-  const bool bounds = takes_off(trail_.faded, trail_.bounded);
-  const bool limits = takes_off(trail_.bounded, trail_.safe);
+  const CommandTrail& command = trail_.command;
+  const bool asked = length(command.asked.force()) > kFeltForce;
+  const bool bounds = takes_off(command.faded, command.bounded);
+  const bool limits = takes_off(command.bounded, command.safe);
   put(HandReason::near, asked && state.near);
   put(HandReason::late, asked && !state.near);
-  put(HandReason::saturated, takes_off(trail_.asked, trail_.actuated));
-  put(HandReason::faded, takes_off(trail_.actuated, trail_.faded) && !state.fades);
+  put(HandReason::saturated, takes_off(command.asked, command.actuated));
+  put(HandReason::faded, takes_off(command.actuated, command.faded) && !state.fades);
   put(HandReason::bound, bounds);
   put(HandReason::shaping, bounds && state.shapes);
   put(HandReason::limits, limits);
-  put(HandReason::ramp, limits && trail_.ramped);
-  put(HandReason::slew, limits && trail_.slewed);
-  put(HandReason::velocity_limit, limits && trail_.too_fast);
-  put(HandReason::wait_for_small_force, limits && trail_.stage_waits);
-  put(HandReason::account, takes_off(trail_.safe, trail_.paid));
+  put(HandReason::ramp, limits && trail_.safety.ramped);
+  put(HandReason::slew, limits && trail_.safety.slewed);
+  put(HandReason::velocity_limit, limits && trail_.safety.too_fast);
+  put(HandReason::wait_for_small_force, limits && trail_.safety.waits);
+  put(HandReason::account, takes_off(command.safe, command.paid));
   put(HandReason::debt, (bounds && trail_.in_debt) || state.in_debt);
   put(HandReason::ending, state.released);
   put(HandReason::reconnecting, state.fades && !state.released && !state.law_changes);
   put(HandReason::law_change, state.law_changes);
   put(HandReason::scene_change, state.withholds_change);
-  put(HandReason::device_fault, (!trail_.read && !without_fault(trail_)) ||
-                                    (state.on_time && takes_off(trail_.paid, trail_.held)));
-  put(HandReason::clutched, trail_.clutched);
-  put(HandReason::emergency, trail_.withheld == Withheld::emergency);
+  put(HandReason::device_fault, (!trail_.device.usable && !without_fault(trail_)) ||
+                                    (state.on_time && takes_off(command.paid, command.held)));
+  put(HandReason::clutched, trail_.device.clutched);
+  put(HandReason::emergency, trail_.device.withheld == Withheld::emergency);
   put(HandReason::not_ready,
-      trail_.withheld != Withheld::nothing && trail_.withheld != Withheld::emergency);
+      trail_.device.withheld != Withheld::nothing && trail_.device.withheld != Withheld::emergency);
   return reasons;
 }
 

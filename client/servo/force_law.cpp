@@ -79,12 +79,12 @@ Command ForceLaw::apply(const BoundingStep& step, const Asked& asked, ForceTrail
   counts.bound_active += bounded.active ? 1 : 0;
   counts.saturated += bounded.saturated ? 1 : 0;
   counts.refused += bounded.refused ? 1 : 0;
-  trail.bounded = bounded.rendered;
+  trail.command.bounded = bounded.rendered;
   trail.in_debt = bounded.in_debt;
   trail.refused = bounded.refused;
   const Command safe = safeguard(bounded.rendered, step, asked, trail, counts);
-  trail.paid = paid_for(safe, step, asked.movement_known, trail, counts);
-  return trail.paid;
+  trail.command.paid = paid_for(safe, step, asked.movement_known, trail, counts);
+  return trail.command.paid;
 }
 
 /// Credits the force bound with the energy that the hand has spent against the changed scene.
@@ -103,18 +103,17 @@ void ForceLaw::admit_change(const BoundingStep& step) noexcept {
 Command ForceLaw::safeguard(const Command& bounded, const BoundingStep& step, const Asked& asked,
                             ForceTrail& trail, ForceLawCounts& counts) noexcept {
   const Safeguarded safe = safety_.apply({.commanded = asked.wanted,
-                                          .original = trail.read && asked.original,
+                                          .original = trail.device.usable && asked.original,
                                           .bounded = actuated(spec_, bounded),
                                           .displacement = step.displacement,
                                           .rotation = step.rotation,
                                           .hold_time = step.hold_time});
-  trail.stage_waits = safety_.waiting();
+  trail.safety.waits = safety_.waiting();
   trail.refused |= safe.refused;
-  trail.too_fast = safe.too_fast;
-  trail.ramped = safe.ramped;
-  trail.slewed = safe.slewed;
-  trail.limited = safe.limited;
-  trail.safe = safe.rendered;
+  trail.safety.too_fast = safe.too_fast;
+  trail.safety.ramped = safe.ramped;
+  trail.safety.slewed = safe.slewed;
+  trail.command.safe = safe.rendered;
   counts.waiting += safe.waiting ? 1 : 0;
   counts.ramped += safe.ramped ? 1 : 0;
   counts.slewed += safe.slewed ? 1 : 0;

@@ -110,20 +110,21 @@ double Servo::time_since_last_tick(Nanoseconds now) noexcept {
 
 void Servo::begin_trail(const DeviceReading& reading, const DeviceMovement& movement) noexcept {
   const Reply& reply = replies_.newest();
-  explanation_.trail() = {.observer = options_.observes,
-                          .device_ended = input_.ended(),
-                          .released = released_,
-                          .letting_go = fade_.ending(),
-                          .law_change = law_.changes(),
-                          .overdrawn = overdraft().has_value(),
-                          .read = movement.read,
-                          .jumped = movement.jumped,
-                          .clutched = reading.ok && reading.clutched,
-                          .withheld = reading.ok ? reading.withheld : Withheld::nothing,
-                          .answered = has_reply(),
-                          .silent = !(command_age_ < parameters().hold_time),
-                          .recovering = reply.recovering,
-                          .server_bound = reply.active || reply.saturated || reply.refused};
+  explanation_.trail() = {
+      .observer = options_.observes,
+      .released = released_,
+      .letting_go = fade_.ending(),
+      .law_change = law_.changes(),
+      .overdrawn = overdraft().has_value(),
+      .device = {.ended = input_.ended(),
+                 .usable = movement.read,
+                 .jumped = movement.jumped,
+                 .clutched = reading.ok && reading.clutched,
+                 .withheld = reading.ok ? reading.withheld : Withheld::nothing},
+      .reply = {.answered = has_reply(),
+                .silent = !(command_age_ < parameters().hold_time),
+                .recovering = reply.recovering,
+                .server_bound = reply.active || reply.saturated || reply.refused}};
 }
 
 /// Sets step.command to the scene's command, reduced by the fade. Returns the scene's command and
@@ -150,9 +151,9 @@ ForceLaw::Asked Servo::ask(BoundingStep& step, const DeviceMovement& movement,
   if (asked.share < 1.0) ++statistics_.faded;
   step.command = faded(asked.wanted, asked.share, bound.max_force, bound.max_torque);
   ForceTrail& trail = explanation_.trail();
-  trail.asked = scene;
-  trail.actuated = asked.wanted;
-  trail.faded = step.command;
+  trail.command.asked = scene;
+  trail.command.actuated = asked.wanted;
+  trail.command.faded = step.command;
   if (near() && shapes()) step.command = environment_.rise_limited(step, replies_);
   return asked;
 }
@@ -212,7 +213,8 @@ void Servo::exchange_law() noexcept {
 bool Servo::feels_scene() const noexcept {
   const ForceTrail& trail = explanation_.trail();
   return tick_.known && !released_ && !fade_.ending() && fade_.share() >= 1.0 &&
-         !trail.stage_waits && !trail.ramped && !trail.recovering && !withholds_change();
+         !trail.safety.waits && !trail.safety.ramped && !trail.reply.recovering &&
+         !withholds_change();
 }
 
 std::optional<Servo::DeviceTrouble> Servo::device_trouble() const noexcept {

@@ -65,9 +65,10 @@ ZeroForceReason reason_of(Withheld withheld) {
 /// Returns whether the wait for a small force leaves less than a tenth of the possible force.
 bool held_back(const ForceTrail& t) {
   constexpr double kShare = 0.1;
-  return t.stage_waits && is_felt(t.actuated) &&
-         length(t.held.force()) <= kShare * length(t.actuated.force()) &&
-         length(t.held.torque) <= kShare * length(t.actuated.torque);
+  const Command &actuated = t.command.actuated, &held = t.command.held;
+  return t.safety.waits && is_felt(actuated) &&
+         length(held.force()) <= kShare * length(actuated.force()) &&
+         length(held.torque) <= kShare * length(actuated.torque);
 }
 bool any(const Command& c) { return length(c.force()) > 0.0 || length(c.torque) > 0.0; }
 
@@ -85,36 +86,38 @@ std::string_view text(ZeroForceReason reason) {
 }
 
 ZeroForceReason zero_force_reason(const ForceTrail& t) noexcept {
-  if (is_felt(t.held) && !held_back(t)) return ZeroForceReason::felt;
+  const CommandTrail& command = t.command;
+  if (is_felt(command.held) && !held_back(t)) return ZeroForceReason::felt;
   if (t.observer) return ZeroForceReason::observer;
-  if (t.device_ended) return ZeroForceReason::device_ended;
+  if (t.device.ended) return ZeroForceReason::device_ended;
   if (t.overdrawn) return ZeroForceReason::overdrawn;
   if (t.released) return ZeroForceReason::ending;
-  if (t.clutched) return ZeroForceReason::clutched;
-  if (t.jumped) return ZeroForceReason::jumped;
-  if (!t.read) return reason_of(t.withheld);
-  if (!t.answered) return ZeroForceReason::no_reply;
+  if (t.device.clutched) return ZeroForceReason::clutched;
+  if (t.device.jumped) return ZeroForceReason::jumped;
+  if (!t.device.usable) return reason_of(t.device.withheld);
+  if (!t.reply.answered) return ZeroForceReason::no_reply;
   if (t.letting_go)
     return t.law_change ? ZeroForceReason::law_change : ZeroForceReason::reconnecting;
-  if (t.silent) return ZeroForceReason::silent;
-  if (!is_felt(t.asked)) {
-    if (t.recovering) return ZeroForceReason::recovering;
-    if (t.server_bound) return ZeroForceReason::server_bound;
-    return any(t.asked) ? ZeroForceReason::too_little : ZeroForceReason::touches_nothing;
+  if (t.reply.silent) return ZeroForceReason::silent;
+  if (!is_felt(command.asked)) {
+    if (t.reply.recovering) return ZeroForceReason::recovering;
+    if (t.reply.server_bound) return ZeroForceReason::server_bound;
+    return any(command.asked) ? ZeroForceReason::too_little : ZeroForceReason::touches_nothing;
   }
-  if (!is_felt(t.actuated)) return ZeroForceReason::not_actuated;
-  // Test `stage_waits` before `bounded`. During the wait the force bound may also give no force,
+  if (!is_felt(command.actuated)) return ZeroForceReason::not_actuated;
+  // Test `waits` before `bounded`. During the wait the force bound may also give no force,
   // but the wait is the reason.
-  if (t.stage_waits) return ZeroForceReason::waiting;
-  if (!is_felt(t.faded)) return ZeroForceReason::silent;
-  if (!is_felt(t.bounded)) return t.refused ? ZeroForceReason::refused : ZeroForceReason::bound;
-  if (!is_felt(t.safe)) {
+  if (t.safety.waits) return ZeroForceReason::waiting;
+  if (!is_felt(command.faded)) return ZeroForceReason::silent;
+  if (!is_felt(command.bounded))
+    return t.refused ? ZeroForceReason::refused : ZeroForceReason::bound;
+  if (!is_felt(command.safe)) {
     if (t.refused) return ZeroForceReason::refused;
-    if (t.too_fast) return ZeroForceReason::velocity_limit;
-    if (t.ramped) return ZeroForceReason::ramp;
-    return t.slewed ? ZeroForceReason::slew : ZeroForceReason::force_limit;
+    if (t.safety.too_fast) return ZeroForceReason::velocity_limit;
+    if (t.safety.ramped) return ZeroForceReason::ramp;
+    return t.safety.slewed ? ZeroForceReason::slew : ZeroForceReason::force_limit;
   }
-  return is_felt(t.paid) ? ZeroForceReason::not_held : ZeroForceReason::account;
+  return is_felt(command.paid) ? ZeroForceReason::not_held : ZeroForceReason::account;
 }
 
 ZeroForceReason prevailing(const std::array<std::uint64_t, kZeroForceReasons>& ticks) noexcept {

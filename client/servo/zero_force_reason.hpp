@@ -60,26 +60,47 @@ std::string_view name(ZeroForceReason reason);
 /// The text for people: "touches nothing"; empty for `felt`.
 std::string_view text(ZeroForceReason reason);
 
-/// The stages of one command on its way to the hand in one tick.
+/// One command after each stage of its way to the hand.
+struct CommandTrail {
+  Command asked{};     // the scene's command
+  Command actuated{};  // the part that the device can give
+  Command faded{};     // after the fade by age
+  Command bounded{}, safe{}, paid{}, held{};
+};
+
+/// The device's reading of one tick.
+struct ReadingTrail {
+  bool ended = false;     // the recording is over
+  bool usable = true;     // its position
+  bool jumped = false;    // no hand can have moved to that position
+  bool clutched = false;  // no command was computed: the hand moves without the tool
+  Withheld withheld = Withheld::nothing;  // no command was computed, for a reason of the device
+};
+
+/// The newest reply.
+struct ReplyTrail {
+  bool answered = false;      // at least one has come
+  bool silent = false;        // it is older than the hold time
+  bool recovering = false;    // it says so
+  bool server_bound = false;  // it says that the server's bound reduced the force
+};
+
+/// The safety limits: they allow no force yet, or reduced it.
+struct SafetyTrail {
+  bool waits = false, too_fast = false, ramped = false, slewed = false;
+};
+
+/// What happened to one command on its way to the hand in one tick.
 struct ForceTrail {
-  bool observer = false, device_ended = false, released = false, letting_go = false;
+  bool observer = false, released = false, letting_go = false;
   bool law_change = false;  // the reason that the force fades
   bool overdrawn = false;   // a debt of the account has ended the force
-  bool read = true;         // the device's position was usable
-  bool jumped = false;      // no hand can have moved to that position
-  bool clutched = false;    // no command was computed, because the hand moves without the tool
-  Withheld withheld = Withheld::nothing;  // no command was computed, for a reason of the device
-  bool answered = false;                  // at least one reply has come
-  bool silent = false;                    // the newest reply is older than the hold time
-  bool recovering = false;                // the reply says so
-  bool server_bound = false;  // the reply says that the server's bound reduced the force
-  bool stage_waits = false;   // the safety stage allows no force yet
-  bool refused = false, too_fast = false, ramped = false, slewed = false, limited = false;
-  bool in_debt = false;  // the bound says so
-  Command asked{};       // the scene's command
-  Command actuated{};    // the part that the device can give
-  Command faded{};       // after the fade by age
-  Command bounded{}, safe{}, paid{}, held{};
+  bool refused = false;     // the command or the movement was out of range
+  bool in_debt = false;     // the bound says so
+  ReadingTrail device{};
+  ReplyTrail reply{};
+  SafetyTrail safety{};
+  CommandTrail command{};
 };
 
 /// The first stage after which there is no force any more.

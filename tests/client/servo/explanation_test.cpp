@@ -17,8 +17,8 @@ Command up(double force) { return {.elastic = Vec3(0, 0, force)}; }
 /// Returns a trail in which each stage passes the command on unchanged.
 ForceTrail passed(const Command& c) {
   ForceTrail trail;
-  trail.answered = true;
-  trail.asked = trail.actuated = trail.faded = trail.bounded = trail.safe = trail.paid = c;
+  trail.reply.answered = true;
+  trail.command = {.asked = c, .actuated = c, .faded = c, .bounded = c, .safe = c, .paid = c};
   return trail;
 }
 
@@ -26,11 +26,11 @@ struct Told {
   ZeroForceReason tick(const ForceTrail& trail, const Command& held, const Vec3& way = {0, 0, 0}) {
     explanation.trail() = trail;
     explanation.take({.displacement = way,
-                      .wanted = trail.actuated,
+                      .wanted = trail.command.actuated,
                       .held = held,
                       .elapsed = kPeriod,
-                      .known = trail.read,
-                      .feels_scene = trail.read},
+                      .known = trail.device.usable,
+                      .feels_scene = trail.device.usable},
                      statistics);
     return explanation.reason();
   }
@@ -45,10 +45,10 @@ TEST(Explanation, NamesTheFirstStageThatLeavesNothing) {
   Told told;
   EXPECT_EQ(told.tick(passed(up(1)), up(1)), ZeroForceReason::felt);
   ForceTrail bounded = passed(up(1));
-  bounded.bounded = bounded.safe = bounded.paid = {};
+  bounded.command.bounded = bounded.command.safe = bounded.command.paid = {};
   EXPECT_EQ(told.tick(bounded, {}), ZeroForceReason::bound);
   ForceTrail unpaid = passed(up(1));
-  unpaid.paid = {};
+  unpaid.command.paid = {};
   EXPECT_EQ(told.tick(unpaid, {}), ZeroForceReason::account);
   EXPECT_TRUE(told.says(HandReason::account));
   EXPECT_EQ(told.tick(passed(up(1)), {}), ZeroForceReason::not_held);
@@ -71,7 +71,7 @@ TEST(Explanation, TellsWhoGaveTheForce) {
 TEST(Explanation, AFadeIsAReasonOnlyWhileTheSessionGoesOn) {
   Told told;
   ForceTrail faded = passed(up(1));
-  faded.faded = faded.bounded = faded.safe = faded.paid = up(0.5);
+  faded.command.faded = faded.command.bounded = faded.command.safe = faded.command.paid = up(0.5);
   told.tick(faded, up(0.5));
   EXPECT_TRUE(told.says(HandReason::faded));
   EXPECT_FALSE(told.says(HandReason::faded, {.fades = true}));
@@ -82,7 +82,7 @@ TEST(Explanation, AFadeIsAReasonOnlyWhileTheSessionGoesOn) {
 TEST(Explanation, TheShareOfTheAccountIsWhatItTookOff) {
   Told told;
   ForceTrail cut = passed(up(2));
-  cut.paid = up(0.5);
+  cut.command.paid = up(0.5);
   told.tick(cut, up(0.5));
   EXPECT_NEAR(told.explanation.account_cut(), 0.75, 1e-12);
   told.tick(passed({}), {});

@@ -73,14 +73,15 @@ TEST(ZeroForceReason, WaitsBecauseItBeganInContact) {
 
 /// The servo reports the wait as the reason even if a hundredth of the force remains.
 TEST(ZeroForceReason, AWaitThatLeavesNextToNothingIsSaid) {
-  ForceTrail trail{.answered = true, .stage_waits = true};
-  trail.asked = trail.actuated = trail.faded = trail.bounded = elastic(0, 0, 6);
-  trail.safe = trail.paid = trail.held = elastic(0, 0, 0.06);
+  ForceTrail trail{.reply = {.answered = true}, .safety = {.waits = true}};
+  CommandTrail& command = trail.command;
+  command.asked = command.actuated = command.faded = command.bounded = elastic(0, 0, 6);
+  command.safe = command.paid = command.held = elastic(0, 0, 0.06);
   EXPECT_EQ(zero_force_reason(trail), ZeroForceReason::waiting);
-  trail.held = elastic(0, 0, 0.61);
+  command.held = elastic(0, 0, 0.61);
   EXPECT_EQ(zero_force_reason(trail), ZeroForceReason::felt);
-  trail.held = elastic(0, 0, 0.06);
-  trail.stage_waits = false;
+  command.held = elastic(0, 0, 0.06);
+  trail.safety.waits = false;
   EXPECT_EQ(zero_force_reason(trail), ZeroForceReason::felt);
 }
 
