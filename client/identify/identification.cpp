@@ -70,7 +70,7 @@ Identification::Identification(const DeviceSpec& spec, const IdentifyLimits& lim
   const auto room = [period](double time) {
     return static_cast<std::size_t>(kRoom * time / period) + 100;
   };
-  rest_.reserve(room(kRest));
+  recordings_.rest.reserve(room(kRest));
   duration_ = kSettle + kRest + kFade;
   std::vector<Sweep> plan = sweep_plan(dof_, limits.top_speed);
   for (const Sweep& sweep : shaken_plan(dof_, limits.top_speed)) plan.push_back(sweep);
@@ -81,13 +81,13 @@ Identification::Identification(const DeviceSpec& spec, const IdentifyLimits& lim
     run.ticks.reserve(room(time));
     run.turns.reserve(static_cast<std::size_t>(sweep.cycles) + 1);
     duration_ += kApproach + time;
-    runs_.push_back(std::move(run));
+    recordings_.sweeps.push_back(std::move(run));
   }
   for (const CoastDown& coast : coast_down_plan(dof_, limits.top_speed)) {
     CoastDownRecord run{coast, {}};
     run.ticks.reserve(room(kLongestCoast));
     duration_ += kApproach + 2.0 * limits.amplitude / coast.speed;
-    coasts_.push_back(std::move(run));
+    recordings_.coasts.push_back(std::move(run));
   }
 }
 
@@ -98,7 +98,7 @@ void Identification::give_up(const char* why) noexcept {
 }
 
 double Identification::progress() const {
-  return state_ == State::done ? 1.0 : std::min(0.999, (last_ - first_) / duration_);
+  return state_ == State::done ? 1.0 : std::min(0.999, (handle_.time - first_) / duration_);
 }
 
 int Identification::line() const {
@@ -106,22 +106,22 @@ int Identification::line() const {
   if (!swept || !sweeps() || state_ != State::measuring) return -1;
   int line = 0;
   for (std::size_t n = 1; n <= run_; ++n)
-    if (runs_[n].sweep.along != runs_[n - 1].sweep.along) ++line;
+    if (recordings_.sweeps[n].sweep.along != recordings_.sweeps[n - 1].sweep.along) ++line;
   return line;
 }
 
 Vec3 Identification::step(double time, const Vec3& position) noexcept {
-  recorded_ = nullptr;
-  if (!started_) {
-    started_ = true;
-    first_ = phase_began_ = last_ = time;
-    start_ = last_position_ = position;
+  recordings_.open = nullptr;
+  if (!handle_.known) {
+    handle_.known = true;
+    first_ = phase_began_ = handle_.time = time;
+    handle_.start = handle_.position = position;
   }
-  if (state_ == State::measuring && odd(time, position)) velocity_.setZero();
+  if (state_ == State::measuring && odd(time, position)) handle_.velocity.setZero();
   if (state_ != State::measuring) return Vec3::Zero();
   Vec3 force = pull(time, position);
-  last_ = time;
-  last_position_ = position;
+  handle_.time = time;
+  handle_.position = position;
   if (state_ != State::measuring) return Vec3::Zero();
   record(time, position);
   return force;
@@ -131,23 +131,23 @@ void Identification::held(const Vec3& force) noexcept {
   if (!force.allFinite()) return give_up("the device says that it holds a force that is no number");
   force_ = force;
   largest_ = std::max(largest_, force.norm());
-  if (recorded_ != nullptr) recorded_->back().force = force;
+  if (recordings_.open != nullptr) recordings_.open->back().force = force;
 }
 
 /// Gives up the measurement and returns true if a free handle cannot cause this reading.
 bool Identification::odd(double time, const Vec3& position) noexcept {
   if (!position.allFinite()) return give_up("the device gave a position that is no number"), true;
-  const double span = time - last_;
+  const double span = time - handle_.time;
   if (span < 0.0 || span > limits_.late)
     return give_up("the readings came too late; is the machine busy?"), true;
   if (span > 0.0) {
     const double share = span / (span + kFilter);
-    velocity_ += share * ((position - last_position_) / span - velocity_);
+    handle_.velocity += share * ((position - handle_.position) / span - handle_.velocity);
   }
-  if ((position - start_).norm() > limits_.travel)
+  if ((position - handle_.start).norm() > limits_.travel)
     return give_up("the handle left the room that it may move in; is it held, or not balanced?"),
            true;
-  if (velocity_.norm() > limits_.speed)
+  if (handle_.velocity.norm() > limits_.speed)
     return give_up("the handle moved too fast; is it held, or not balanced?"), true;
   return false;
 }
@@ -170,19 +170,19 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
       break;
     }
     case Phase::sweep: {
-      const Sweep& sweep = runs_[run_].sweep;
+      const Sweep& sweep = recordings_.sweeps[run_].sweep;
       meant = sweep.speed;
       led_ = led_to(sweep, amplitude, in_phase) * sweep.along;
       if (sweep.shake > 0.0) {
         meant *= 1.0 + kMostSwing;
-        shake = shaken(sweep, in_phase, time - last_) * sweep.along;
+        shake = shaken(sweep, in_phase, time - handle_.time) * sweep.along;
       }
       look_for_turn(in_phase);
       if (in_phase >= sweep_time(sweep, amplitude) + kBeyond) next(time);
       break;
     }
     case Phase::push: {
-      const CoastDown& coast = coasts_[coast_].coast;
+      const CoastDown& coast = recordings_.coasts[coast_].coast;
       meant = coast.speed;
       const double at = led_to({coast.along, coast.speed, 1}, amplitude, in_phase);
       led_ = at * coast.along;
@@ -190,9 +190,9 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
       break;
     }
     case Phase::coast: {
-      const CoastDown& coast = coasts_[coast_].coast;
-      const double at = coast.along.dot(position - start_);
-      coasted_ = coast.along.dot(velocity_);
+      const CoastDown& coast = recordings_.coasts[coast_].coast;
+      const double at = coast.along.dot(position - handle_.start);
+      coasted_ = coast.along.dot(handle_.velocity);
       led_ = at * coast.along;
       if (at > kCoastUntil * amplitude || coasted_ < kCoasted * coast.speed ||
           coasted_ > kFallen * coast.speed || in_phase > kLongestCoast)
@@ -200,7 +200,7 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
       break;
     }
     case Phase::brake: {  // decelerates from the present speed to rest, as at the turn of a sweep
-      const CoastDown& coast = coasts_[coast_].coast;
+      const CoastDown& coast = recordings_.coasts[coast_].coast;
       meant = coast.speed;
       const double speed = std::max(coasted_, 0.0);
       const double room = std::max(amplitude - coast.along.dot(led_from_), 0.1 * amplitude);
@@ -215,16 +215,16 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
       if (in_phase >= kFade) state_ = State::done;
       break;
   }
-  Vec3 wanted = kStiffness * (start_ + led_ - position) - kDamping * velocity_;
-  const double speed = velocity_.norm(), excess = speed - kExcess * meant;
+  Vec3 wanted = kStiffness * (handle_.start + led_ - position) - kDamping * handle_.velocity;
+  const double speed = handle_.velocity.norm(), excess = speed - kExcess * meant;
   // Extra damping limits the overshoot of a heavy handle.
-  if (excess > 0.0) wanted -= kBrake * excess / speed * velocity_;
+  if (excess > 0.0) wanted -= kBrake * excess / speed * handle_.velocity;
   if (phase_ == Phase::coast) wanted -= line_along().dot(wanted) * line_along();
   if (dof_ == 2) wanted.z() = 0.0;
   wanted = strength * clamp_length(wanted, limits_.force);
-  const Vec3 led = force_ - shake_;
-  shake_ = shake;
-  return clamp_length(led + clamp_length(wanted - led, kSlew * (time - last_)) + shake,
+  const Vec3 led = force_ - shake_.force;
+  shake_.force = shake;
+  return clamp_length(led + clamp_length(wanted - led, kSlew * (time - handle_.time)) + shake,
                       limits_.force);
 }
 
@@ -233,22 +233,22 @@ Vec3 Identification::pull(double time, const Vec3& position) noexcept {
 /// reverses the movement, so the dry friction keeps its direction.
 double Identification::shaken(const Sweep& sweep, double in_phase, double span) noexcept {
   const double cycle = cycle_time(sweep, limits_.amplitude);
-  if (in_phase < span + 1e-9 || shake_level_ == 0.0) {
-    const double before = run_ > 0 ? runs_[run_ - 1].sweep.shake : 0.0;
-    shake_level_ = before > 0.0 && before < sweep.shake ? kLeastSwing * shake_level_
+  if (in_phase < span + 1e-9 || shake_.level == 0.0) {
+    const double before = run_ > 0 ? recordings_.sweeps[run_ - 1].sweep.shake : 0.0;
+    shake_.level = before > 0.0 && before < sweep.shake ? kLeastSwing * shake_.level
                                                         : kFirstShake * limits_.force;
-    swing_ = 0.0;
+    shake_.swing = 0.0;
   }
   const double of_way = std::fmod(in_phase, 0.5 * cycle) / (0.5 * cycle);
   if (in_phase < cycle && of_way > 1.5 * kTurnShare && of_way < 1.0 - kTurnShare) {
     const double led = in_phase < 0.5 * cycle ? sweep.speed : -sweep.speed;
-    swing_ = std::max(swing_ * std::exp(-span / kSwingFades),
-                      std::abs(sweep.along.dot(velocity_) - led));
-    if (swing_ < kLeastSwing * sweep.speed) shake_level_ *= std::exp(span / kShakeGrows);
-    if (swing_ > kMostSwing * sweep.speed) shake_level_ *= std::exp(-span / kShakeShrinks);
-    shake_level_ = std::min(shake_level_, kMostShake * limits_.force);
+    shake_.swing = std::max(shake_.swing * std::exp(-span / kSwingFades),
+                            std::abs(sweep.along.dot(handle_.velocity) - led));
+    if (shake_.swing < kLeastSwing * sweep.speed) shake_.level *= std::exp(span / kShakeGrows);
+    if (shake_.swing > kMostSwing * sweep.speed) shake_.level *= std::exp(-span / kShakeShrinks);
+    shake_.level = std::min(shake_.level, kMostShake * limits_.force);
   }
-  return shake_level_ * shake_share(sweep, limits_.amplitude, in_phase);
+  return shake_.level * shake_share(sweep, limits_.amplitude, in_phase);
 }
 
 void Identification::begin(Phase phase, double time) noexcept {
@@ -258,12 +258,12 @@ void Identification::begin(Phase phase, double time) noexcept {
 }
 
 const Vec3& Identification::line_along() const noexcept {
-  return sweeps() ? runs_[run_].sweep.along : coasts_[coast_].coast.along;
+  return sweeps() ? recordings_.sweeps[run_].sweep.along : recordings_.coasts[coast_].coast.along;
 }
 
 /// Starts the next sweep or coast, or ends the measurement.
 void Identification::next(double time) noexcept {
-  const bool last = !sweeps() && coast_ + 1 == coasts_.size();
+  const bool last = !sweeps() && coast_ + 1 == recordings_.coasts.size();
   if (sweeps())
     ++run_;
   else if (!last)
@@ -273,7 +273,7 @@ void Identification::next(double time) noexcept {
 
 /// Adds the next recorded tick to `turns` if it starts a cycle or ends the last cycle.
 void Identification::look_for_turn(double in_phase) noexcept {
-  SweepRecord& run = runs_[run_];
+  SweepRecord& run = recordings_.sweeps[run_];
   const double next = static_cast<double>(run.turns.size()) + 1.0;
   if (run.turns.size() <= static_cast<std::size_t>(run.sweep.cycles) &&
       in_phase >= next * cycle_time(run.sweep, limits_.amplitude))
@@ -284,13 +284,13 @@ void Identification::record(double time, const Vec3& position) noexcept {
   const bool rests = phase_ == Phase::rest && time - phase_began_ > kSettle;
   const bool coasts = phase_ == Phase::coast;
   if (!rests && !coasts && phase_ != Phase::sweep) return;
-  std::vector<SweepTick>& ticks = rests    ? rest_
-                                  : coasts ? coasts_[coast_].ticks
-                                           : runs_[run_].ticks;
+  std::vector<SweepTick>& ticks = rests    ? recordings_.rest
+                                  : coasts ? recordings_.coasts[coast_].ticks
+                                           : recordings_.sweeps[run_].ticks;
   if (ticks.size() == ticks.capacity())
     return give_up("the readings come more often than the device says");
   ticks.push_back({time, position, Vec3::Zero()});
-  recorded_ = &ticks;
+  recordings_.open = &ticks;
 }
 
 }  // namespace feltwire

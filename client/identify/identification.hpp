@@ -50,7 +50,9 @@ class Identification {
   double largest_force() const { return largest_; }  // [N] held so far
 
   /// Precondition: done.
-  DeviceEstimate estimate() const { return feltwire::estimate(runs_, coasts_, rest_, dof_); }
+  DeviceEstimate estimate() const {
+    return feltwire::estimate(recordings_.sweeps, recordings_.coasts, recordings_.rest, dof_);
+  }
 
  private:
   enum class Phase : std::uint8_t { rest, approach, sweep, push, coast, brake, fade };
@@ -62,30 +64,41 @@ class Identification {
   void begin(Phase phase, double time) noexcept;
   void look_for_turn(double in_phase) noexcept;
   void next(double time) noexcept;
-  bool sweeps() const noexcept { return run_ < runs_.size(); }
+  bool sweeps() const noexcept { return run_ < recordings_.sweeps.size(); }
   const Vec3& line_along() const noexcept;
+
+  struct Recordings {
+    std::vector<SweepRecord> sweeps;
+    std::vector<CoastDownRecord> coasts;  // after all sweeps
+    std::vector<SweepTick> rest;
+    std::vector<SweepTick>* open = nullptr;  // where held() completes the last tick
+  };
+  struct Handle {
+    bool known = false;                                  // there was a reading
+    double time = 0.0;                                   // [s] of the newest reading
+    Vec3 start = Vec3::Zero(), position = Vec3::Zero();  // [m] at the first and newest reading
+    Vec3 velocity = Vec3::Zero();                        // [m/s] filtered
+  };
+  struct Shake {
+    Vec3 force = Vec3::Zero();        // [N] the part of the force that shakes
+    double level = 0.0, swing = 0.0;  // [N] its amplitude, [m/s] what it makes
+  };
 
   IdentifyLimits limits_;
   int dof_;
-  std::vector<SweepRecord> runs_;
-  std::vector<CoastDownRecord> coasts_;  // after all sweeps
-  std::vector<SweepTick> rest_;
-  std::vector<SweepTick>* recorded_ = nullptr;  // where held() completes the last tick
+  Recordings recordings_;
   double duration_ = 0.0;
 
   State state_ = State::measuring;
   const char* why_ = "";
   Phase phase_ = Phase::rest;
   std::size_t run_ = 0, coast_ = 0;
-  bool started_ = false;
-  double first_ = 0.0, phase_began_ = 0.0, last_ = 0.0;  // [s]
-  Vec3 start_ = Vec3::Zero(), last_position_ = Vec3::Zero();
-  Vec3 velocity_ = Vec3::Zero();                       // [m/s] filtered
+  double first_ = 0.0, phase_began_ = 0.0;  // [s]
+  Handle handle_;
   Vec3 led_ = Vec3::Zero(), led_from_ = Vec3::Zero();  // [m] of the start
   double coasted_ = 0.0;                               // [m/s] at the end of a coast
   Vec3 force_ = Vec3::Zero();
-  Vec3 shake_ = Vec3::Zero();               // [N] the part of it that shakes
-  double shake_level_ = 0.0, swing_ = 0.0;  // [N] its amplitude, [m/s] what it makes
+  Shake shake_;
   double largest_ = 0.0;
 };
 
