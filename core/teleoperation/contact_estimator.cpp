@@ -45,8 +45,8 @@ const RemoteContact& ContactEstimator::step(const Sample& s) noexcept {
 }
 
 void ContactEstimator::tell(const Vec3& tip) noexcept {
-  told_ = contact_;
-  if (left_ && told_.surface != 0) told_.point = tip - kAway * told_.normal;
+  told_ = surface_.contact;
+  if (gap_.left && told_.surface != 0) told_.point = tip - kAway * told_.normal;
 }
 
 void ContactEstimator::estimate(const Sample& s) noexcept {
@@ -55,50 +55,52 @@ void ContactEstimator::estimate(const Sample& s) noexcept {
   pressed_ = pressed;
   watch(s, force);
   if (!pressed) {
-    apart_ += s.elapsed;
+    gap_.time += s.elapsed;
     // While the tool slides, it leaves the surface for some samples. These samples belong to the
     // same contact.
-    if (contact_.touching && apart_ < kApart) return;
-    contact_.touching = false;
+    if (surface_.contact.touching && gap_.time < kApart) return;
+    surface_.contact.touching = false;
     if (!expect(s)) recede(s);
-    left_ = left_ || (apart_ >= kLeft && absent_ >= SurfaceMemory::kAbsent);
+    gap_.left = gap_.left || (gap_.time >= kLeft && gap_.absent >= SurfaceMemory::kAbsent);
     return;
   }
   // A force outside the friction cone belongs to another surface. A carried load is an exception,
   // because the pushing force adds to its weight. However, a load never makes a stiffness known. So
   // before the stiffness is learnt, this rule holds only after a gap without force.
-  const bool other = (apart_ > 0.0 || learnt_) && s.force.dot(contact_.normal) < kOther * force;
-  if (!contact_.touching || other) begin(s);
-  apart_ = 0.0;
-  contact_.touching = true;
+  const bool other =
+      (gap_.time > 0.0 || surface_.learnt) && s.force.dot(surface_.contact.normal) < kOther * force;
+  if (!surface_.contact.touching || other) begin(s);
+  gap_.time = 0.0;
+  surface_.contact.touching = true;
   estimate_normal(s, force);
-  const double along_normal = std::max(0.0, s.force.dot(contact_.normal));
-  touched_ += s.elapsed;
+  const double along_normal = std::max(0.0, s.force.dot(surface_.contact.normal));
+  touch_.time += s.elapsed;
   estimate_stiffness(s, along_normal);
   estimate_place(s, along_normal);
-  if (contact_.surface == expected_ && says(s.prior) && s.prior.key == expected_key_)
-    shift_ = (contact_.point - s.prior.point).dot(s.prior.normal);
+  if (surface_.contact.surface == expected_.surface && says(s.prior) &&
+      s.prior.key == expected_.key)
+    expected_.shift = (surface_.contact.point - s.prior.point).dot(s.prior.normal);
 }
 
 /// Measures for how long there has been no force although the tool is behind the touched surface.
 void ContactEstimator::watch(const Sample& s, double force) noexcept {
   constexpr double kLeans = 0.5;  // largest error of the estimated plane's slope
-  const Vec3 way = s.position - felt_;
-  const Vec3 off = along(way, contact_.normal);
-  const double deeper = -way.dot(contact_.normal) - kLeans * length(Vec3(way - off));
-  const bool missing = touched_ > 0.0 && !pressed_ && deeper > -kResting;
-  absent_ = missing ? absent_ + s.elapsed : 0.0;
-  if (force > config_.on) felt_ = s.position;
+  const Vec3 way = s.position - gap_.felt;
+  const Vec3 off = along(way, surface_.contact.normal);
+  const double deeper = -way.dot(surface_.contact.normal) - kLeans * length(Vec3(way - off));
+  const bool missing = touch_.time > 0.0 && !pressed_ && deeper > -kResting;
+  gap_.absent = missing ? gap_.absent + s.elapsed : 0.0;
+  if (force > config_.on) gap_.felt = s.position;
 }
 
 /// Moves the surface back to the tip. Without a force, the tip cannot be inside the surface.
 void ContactEstimator::recede(const Sample& s) noexcept {
-  contact_.velocity.setZero();
-  const double inside = (contact_.point - s.position).dot(contact_.normal);
-  if (contact_.surface == 0 || !(inside > 0.0)) return;
-  contact_.point -= inside * contact_.normal;
-  receded_ += inside;
-  if (receded_ > kSame) contact_.surface = 0;
+  surface_.contact.velocity.setZero();
+  const double inside = (surface_.contact.point - s.position).dot(surface_.contact.normal);
+  if (surface_.contact.surface == 0 || !(inside > 0.0)) return;
+  surface_.contact.point -= inside * surface_.contact.normal;
+  gap_.receded += inside;
+  if (gap_.receded > kSame) surface_.contact.surface = 0;
 }
 
 /// Places the surface according to the local model and the last contact, but not in front of the
@@ -106,33 +108,36 @@ void ContactEstimator::recede(const Sample& s) noexcept {
 bool ContactEstimator::expect(const Sample& s) noexcept {
   const SurfacePrior& prior = s.prior;
   if (!says(prior)) return false;
-  const bool found = contact_.surface != 0 && contact_.surface != expected_;
-  if (found && std::abs((s.position - contact_.point).dot(contact_.normal)) < kSame) return false;
-  if (prior.key != expected_key_) {
-    expected_key_ = prior.key;
-    expected_ = ++counted_;
-    shift_ = receded_ = 0.0;
-    disproved_ = false;
+  const bool found = surface_.contact.surface != 0 && surface_.contact.surface != expected_.surface;
+  if (found && std::abs((s.position - surface_.contact.point).dot(surface_.contact.normal)) < kSame)
+    return false;
+  if (prior.key != expected_.key) {
+    expected_.key = prior.key;
+    expected_.surface = ++counted_;
+    expected_.shift = gap_.receded = 0.0;
+    expected_.disproved = false;
   }
-  if (contact_.surface != expected_) {
+  if (surface_.contact.surface != expected_.surface) {
     const bool usable = prior.stiffness >= kSoftest && prior.stiffness <= kStiffest;
-    contact_ = {};
-    contact_.stiffness = usable ? prior.stiffness : config_.first_stiffness;
-    contact_.friction = prior.friction >= 0.0 ? std::min(prior.friction, kMostFriction) : 0.0;
-    known_ = settled_ = learnt_ = left_ = moves_ = false;
-    touched_ = absent_ = 0.0;
-    impulse_ = kModelled;
+    surface_.contact = {};
+    surface_.contact.stiffness = usable ? prior.stiffness : config_.first_stiffness;
+    surface_.contact.friction =
+        prior.friction >= 0.0 ? std::min(prior.friction, kMostFriction) : 0.0;
+    touch_.known = surface_.settled = surface_.learnt = gap_.left = moves_ = false;
+    touch_.time = gap_.absent = 0.0;
+    surface_.impulse = kModelled;
   }
-  const double inside = std::max(0.0, (prior.point - s.position).dot(prior.normal) + shift_);
-  shift_ -= inside;
-  receded_ += inside;
-  disproved_ = disproved_ || receded_ > kSame;
-  contact_.surface = disproved_ ? 0 : expected_;
-  contact_.normal = prior.normal;
-  contact_.velocity = prior.velocity;
-  felt_ += s.elapsed * prior.velocity;
-  contact_.point =
-      s.position + ((prior.point - s.position).dot(prior.normal) + shift_) * prior.normal;
+  const double inside =
+      std::max(0.0, (prior.point - s.position).dot(prior.normal) + expected_.shift);
+  expected_.shift -= inside;
+  gap_.receded += inside;
+  expected_.disproved = expected_.disproved || gap_.receded > kSame;
+  surface_.contact.surface = expected_.disproved ? 0 : expected_.surface;
+  surface_.contact.normal = prior.normal;
+  surface_.contact.velocity = prior.velocity;
+  gap_.felt += s.elapsed * prior.velocity;
+  surface_.contact.point =
+      s.position + ((prior.point - s.position).dot(prior.normal) + expected_.shift) * prior.normal;
   return true;
 }
 
@@ -140,28 +145,31 @@ bool ContactEstimator::expect(const Sample& s) noexcept {
 void ContactEstimator::begin(const Sample& s) noexcept {
   constexpr double kSameWay = 0.7;  // cosine of 45 degrees
   const Vec3 normal = direction(s.force);
-  const double away = std::abs((s.position - contact_.point).dot(contact_.normal));
-  const bool last = contact_.surface != 0 && away < kSame && normal.dot(contact_.normal) > kSameWay;
+  const double away = std::abs((s.position - surface_.contact.point).dot(surface_.contact.normal));
+  const bool last = surface_.contact.surface != 0 && away < kSame &&
+                    normal.dot(surface_.contact.normal) > kSameWay;
   const bool same = last || change(s, normal);
   // If the tool bounces, this is still the same contact. Keep its samples until the stiffness is
   // known.
-  if (!same || known_ || touched_ == 0.0) {
+  if (!same || touch_.known || touch_.time == 0.0) {
     fit_.clear();
-    touched_ = 0.0;
-    origin_ = s.position;
-    known_ = false;
+    touch_.time = 0.0;
+    touch_.origin = s.position;
+    touch_.known = false;
   }
-  moves_ = last && (moves_ || left_);
-  known_ = known_ || (moves_ && learnt_);
-  left_ = false;
-  receded_ = absent_ = 0.0;
+  moves_ = last && (moves_ || gap_.left);
+  touch_.known = touch_.known || (moves_ && surface_.learnt);
+  gap_.left = false;
+  gap_.receded = gap_.absent = 0.0;
   // With this height, the first sample is always used.
-  last_height_ = s.position.dot(contact_.normal) + 1.0;
+  touch_.last_height = s.position.dot(surface_.contact.normal) + 1.0;
   const double force = length(s.force);
-  within_ = same ? way_within(s, force) : Vec3::Zero();
-  if (same) contact_.normal = direction(contact_.normal - along(contact_.normal, within_));
+  touch_.within = same ? way_within(s, force) : Vec3::Zero();
+  if (same)
+    surface_.contact.normal =
+        direction(surface_.contact.normal - along(surface_.contact.normal, touch_.within));
   const double measured = height_of(s, force);
-  place_.begin(measured, same ? contact_.point.dot(contact_.normal) : measured);
+  place_.begin(measured, same ? surface_.contact.point.dot(surface_.contact.normal) : measured);
 }
 
 /// Returns the direction from the last contact point to this contact point. The direction lies in
@@ -169,39 +177,29 @@ void ContactEstimator::begin(const Sample& s) noexcept {
 Vec3 ContactEstimator::way_within(const Sample& s, double force) const noexcept {
   constexpr double kShortest = 2e-3, kLongest = 30e-3;  // [m] least and largest usable distance
   constexpr double kSteep = 0.35;  // largest error of the normal: sine of 20 degrees
-  const Vec3 here = s.position + force / contact_.stiffness * contact_.normal;
-  const Polar<double> way = polar(Vec3(here - last_));
+  const Vec3 here = s.position + force / surface_.contact.stiffness * surface_.contact.normal;
+  const Polar<double> way = polar(Vec3(here - surface_.touched));
   const bool usable = way.length > kShortest && way.length < kLongest &&
-                      std::abs(way.direction.dot(contact_.normal)) < kSteep;
+                      std::abs(way.direction.dot(surface_.contact.normal)) < kSteep;
   return usable ? way.direction : Vec3::Zero();
 }
 
 /// Begins a contact with another surface than before. Returns true if the memory has this surface.
 bool ContactEstimator::change(const Sample& s, const Vec3& normal) noexcept {
-  const bool found = contact_.surface != 0 && contact_.surface != expected_;
-  if (found && !left_)
-    memory_.keep({.contact = contact_,
-                  .settled = settled_,
-                  .learnt = learnt_,
-                  .impulse = impulse_,
-                  .touched = last_},
-                 s.position);
-  touched_ = 0.0;
+  const bool found = surface_.contact.surface != 0 && surface_.contact.surface != expected_.surface;
+  if (found && !gap_.left) memory_.keep(surface_, s.position);
+  touch_.time = 0.0;
   if (const auto before = memory_.take(s.position, normal, kSame)) {
-    contact_ = before->contact;
-    if (!before->told) contact_.surface = ++counted_;
-    settled_ = before->settled;
-    learnt_ = before->learnt;
-    impulse_ = before->impulse;
-    last_ = before->touched;
+    surface_ = *before;
+    if (!before->told) surface_.contact.surface = ++counted_;
     return true;
   }
-  contact_ = {};
-  contact_.surface = ++counted_;
-  contact_.normal = normal;
-  contact_.stiffness = config_.first_stiffness;
-  settled_ = learnt_ = false;
-  impulse_ = 0.0;
+  surface_.contact = {};
+  surface_.contact.surface = ++counted_;
+  surface_.contact.normal = normal;
+  surface_.contact.stiffness = config_.first_stiffness;
+  surface_.settled = surface_.learnt = false;
+  surface_.impulse = 0.0;
   return false;
 }
 
@@ -210,13 +208,13 @@ void ContactEstimator::estimate_normal(const Sample& s, double force) noexcept {
   constexpr double kSlow = 3.0;                   // [Hz] cutoff frequency of the slow filter
   constexpr double kYoung = 0.1, kSettled = 0.5;  // [s] limits of the time in this contact
   const double speed = length(s.velocity);
-  Vec3 pressing = s.force - along(s.force, within_);
-  if (std::abs(s.force.dot(within_)) > kMostFriction * length(pressing)) {
-    within_.setZero();  // The force is too large for friction.
+  Vec3 pressing = s.force - along(s.force, touch_.within);
+  if (std::abs(s.force.dot(touch_.within)) > kMostFriction * length(pressing)) {
+    touch_.within.setZero();  // The force is too large for friction.
     pressing = s.force;
   }
   const Vec3 way = speed > kLeastSlide ? Vec3(s.velocity / speed) : Vec3::Zero();
-  const bool sliding = slides(s.velocity, contact_.normal);
+  const bool sliding = slides(s.velocity, surface_.contact.normal);
   Vec3 pushes = pressing;
   bool rubs = false;
   // A negative value means that the surface springs back.
@@ -229,69 +227,72 @@ void ContactEstimator::estimate_normal(const Sample& s, double force) noexcept {
     rubs = normal_force > config_.on && against < kMostFriction * normal_force;
     if (rubs) {
       pushes = across;
-      contact_.friction +=
-          low_pass_share(kSlow, s.elapsed) * (against / normal_force - contact_.friction);
+      surface_.contact.friction +=
+          low_pass_share(kSlow, s.elapsed) * (against / normal_force - surface_.contact.friction);
     }
   }
-  settled_ = settled_ || touched_ >= kSettled;
+  surface_.settled = surface_.settled || touch_.time >= kSettled;
   if (!(force > config_.on)) return;
   // A tool that arrives, bounces or springs back also slides by some tenths of a millimetre, with
   // friction. Then the force does not show the normal, unless the force is outside every friction
   // cone.
-  const bool young = !settled_ && touched_ < kYoung;
-  const bool bounces = touched_ < kSettled && speed > kLeastSlide && !rubs;
+  const bool young = !surface_.settled && touch_.time < kYoung;
+  const bool bounces = touch_.time < kSettled && speed > kLeastSlide && !rubs;
   const bool springs = sliding && against < 0.0;
-  if (!young && (bounces || springs) && s.force.dot(contact_.normal) > kCone * force) return;
+  if (!young && (bounces || springs) && s.force.dot(surface_.contact.normal) > kCone * force)
+    return;
   // For a new contact, use the direction of its total impulse. The force of a sticking and
   // springing tool tilts to both sides, and the normal must not follow this oscillation.
   const double pushed = force * s.elapsed;
-  impulse_ += young ? pushed : 0.0;
+  surface_.impulse += young ? pushed : 0.0;
   const double slow = low_pass_share(kSlow, s.elapsed);
-  const double share = young ? std::max(slow, pushed / impulse_) : slow;
-  const Vec3 turned = direction(contact_.normal + share * (direction(pushes) - contact_.normal));
+  const double share = young ? std::max(slow, pushed / surface_.impulse) : slow;
+  const Vec3 turned =
+      direction(surface_.contact.normal + share * (direction(pushes) - surface_.contact.normal));
   if (turned.isZero(0.0)) return;
   // place_ stores the position of the surface as a height along the normal. Adapt this height when
   // the normal turns.
-  place_.carry((turned - contact_.normal).dot(contact_.point));
-  contact_.normal = turned;
+  place_.carry((turned - surface_.contact.normal).dot(surface_.contact.point));
+  surface_.contact.normal = turned;
 }
 
 void ContactEstimator::estimate_stiffness(const Sample& s, double force) noexcept {
   constexpr double kExcited = 0.1e-3;  // [m] least movement along the normal for a fit
   constexpr double kExplained = 0.98;
-  if (known_ && (touched_ > kLearns || moves_)) return;
-  const double height = s.position.dot(contact_.normal);
-  if (std::abs(height - last_height_) < kResting) return;  // The sample would only add noise.
-  last_height_ = height;
-  fit_.add(origin_ - s.position, -s.velocity, s.force);
-  if (fit_.excitation(contact_.normal) < kExcited) return;
-  const LineFit::Line line = fit_.line(contact_.normal);
+  if (touch_.known && (touch_.time > kLearns || moves_)) return;
+  const double height = s.position.dot(surface_.contact.normal);
+  if (std::abs(height - touch_.last_height) < kResting) return;  // The sample would only add noise.
+  touch_.last_height = height;
+  fit_.add(touch_.origin - s.position, -s.velocity, s.force);
+  if (fit_.excitation(surface_.contact.normal) < kExcited) return;
+  const LineFit::Line line = fit_.line(surface_.contact.normal);
   if (line.explained < kExplained || !(line.slope > kSoftest) || !(line.slope < kStiffest)) return;
   // On a stiffer surface, the old position would imply a larger force, so the position changes in
   // the same sample. On a softer surface, the new position may be far away, and the first fit may
   // be wrong. So the position moves there slowly.
-  const bool stiffer = line.slope > contact_.stiffness;
-  contact_.stiffness = line.slope;
+  const bool stiffer = line.slope > surface_.contact.stiffness;
+  surface_.contact.stiffness = line.slope;
   const double place = height_of(s, force);
-  if (!known_ && stiffer)
+  if (!touch_.known && stiffer)
     place_.begin(place, place);
-  else if (!known_)
+  else if (!touch_.known)
     place_.relearn(place);
-  known_ = learnt_ = true;
+  touch_.known = surface_.learnt = true;
 }
 
 /// Returns the height [m] along the normal at which the surface would give this force.
 double ContactEstimator::height_of(const Sample& s, double force) const noexcept {
-  return s.position.dot(contact_.normal) + force / contact_.stiffness;
+  return s.position.dot(surface_.contact.normal) + force / surface_.contact.stiffness;
 }
 
 void ContactEstimator::estimate_place(const Sample& s, double force) noexcept {
-  const bool unknown = !known_ && touched_ < kLearns;
-  place_.step(height_of(s, force), s.elapsed, slides(s.velocity, contact_.normal) || unknown);
-  contact_.velocity = place_.speed() * contact_.normal;
-  contact_.point =
-      s.position + (place_.place() - s.position.dot(contact_.normal)) * contact_.normal;
-  last_ = contact_.point;
+  const bool unknown = !touch_.known && touch_.time < kLearns;
+  place_.step(height_of(s, force), s.elapsed,
+              slides(s.velocity, surface_.contact.normal) || unknown);
+  surface_.contact.velocity = place_.speed() * surface_.contact.normal;
+  surface_.contact.point = s.position + (place_.place() - s.position.dot(surface_.contact.normal)) *
+                                            surface_.contact.normal;
+  surface_.touched = surface_.contact.point;
 }
 
 }  // namespace feltwire

@@ -111,33 +111,42 @@ class ContactEstimator {
   double height_of(const Sample& sample, double force) const noexcept;
   void estimate_place(const Sample& sample, double force) noexcept;
 
+  /// The touch that goes on, or the last one.
+  struct Touch {
+    double time = 0.0;           // [s] so far
+    bool known = false;          // it has shown the stiffness
+    Vec3 origin = Vec3::Zero();  // [m] the tip where it began
+    Vec3 within = Vec3::Zero();  // unit: lies in the surface; zero: no such direction is known
+    double last_height = 0.0;    // [m] in the last sample of the fit
+  };
+  /// The time without a touch.
+  struct Gap {
+    double time = 0.0;         // [s] without a force
+    double receded = 0.0;      // [m] of the surface since the last touch
+    Vec3 felt = Vec3::Zero();  // [m] the tip where it last felt the force `on`
+    double absent = 0.0;       // [s] in which nothing pressed although the tip was deeper
+    bool left = false;         // the surface was touched, and has left
+  };
+  /// The surface of the prior.
+  struct Expected {
+    std::uint32_t key = 0;      // of the prior
+    std::uint32_t surface = 0;  // its number here
+    double shift = 0.0;         // [m] along its normal, correction by touches
+    bool disproved = false;     // the tool moved through it
+  };
+
   ContactEstimatorConfig config_;
-  RemoteContact contact_;
-  RemoteContact told_;  // contact_, but kAway behind the tool if the surface has left
+  KnownSurface surface_;
+  RemoteContact told_;  // the surface's contact, but kAway behind the tool if it has left
   SurfaceMemory memory_;
   LineFit fit_;
   std::uint32_t counted_ = 0;
-  bool known_ = false;              // the stiffness is known from this touch
-  bool settled_ = false;            // the normal is known from a long touch of this surface
-  bool learnt_ = false;             // the stiffness is known from any touch of this surface
-  bool pressed_ = false;            // the force is beyond the thresholds, on a known surface or not
-  double touched_ = 0.0;            // [s] in this touch
-  double impulse_ = 0.0;            // [N s] of the young touches of this surface
-  double apart_ = 0.0;              // [s] without a force
-  double receded_ = 0.0;            // [m] since the last touch
-  Vec3 felt_ = Vec3::Zero();        // [m] the tip where it last felt the force `on`
-  double absent_ = 0.0;             // [s] in which nothing pressed although the tip was deeper
-  bool left_ = false;               // the surface was touched, and has left
-  bool moves_ = false;              // the surface had left before this touch: it moves
-  Vec3 origin_ = Vec3::Zero();      // [m] the tip where this touch began
-  Vec3 last_ = Vec3::Zero();        // [m] on the surface, where it was touched last
-  Vec3 within_ = Vec3::Zero();      // unit: lies in the surface; zero: no such direction is known
-  double last_height_ = 0.0;        // [m] height in the last sample of the fit
-  SurfaceTracker place_;            // along the normal
-  std::uint32_t expected_key_ = 0;  // of the prior
-  std::uint32_t expected_ = 0;      // the surface of the prior
-  double shift_ = 0.0;              // [m] along its normal, correction by touches
-  bool disproved_ = false;          // the tool moved through the prior's surface
+  bool pressed_ = false;  // the force is beyond the thresholds, on a known surface or not
+  Touch touch_;
+  Gap gap_;
+  bool moves_ = false;    // the surface had left before this touch: it moves
+  SurfaceTracker place_;  // along the normal
+  Expected expected_;
 };
 
 }  // namespace feltwire
