@@ -37,16 +37,11 @@ SceneHost::SceneHost(Scene scene, const SceneHostOptions& options)
     : name_(scene.name()),
       scene_(std::make_shared<const Scene>(std::move(scene))),
       published_(options.events != nullptr),
-      recorded_(options.events != nullptr),
-      silence_timeout_(options.silence_timeout),
-      busy_poll_(options.busy_poll),
-      real_time_(options.real_time),
-      clock_(options.clock),
-      ended_(options.ended),
+      options_(options),
       sessions_(*scene_, options.silence_timeout, options.max_sessions, options.line,
                 options.limits),
       datagrams_(io_, {options.address, options.port, options.socket, options.dscp}, sessions_,
-                 clock_, posts_),
+                 options_.clock, posts_),
       log_(name_) {
   sessions_.log_to(options.events);
   published_.set(scene_, sessions_);
@@ -86,7 +81,8 @@ void SceneHost::ask(control::Message request, std::uint64_t id, const SessionKey
       std::make_shared<PendingAnswer>(PendingAnswer{std::move(request), std::move(completion)});
   post([this, pending = std::move(pending), id, keys, &back] {
     try {
-      if (!closing_) pending->answer = sessions_.answer(pending->request, id, keys, clock_());
+      if (!closing_)
+        pending->answer = sessions_.answer(pending->request, id, keys, options_.clock());
       if (auto* named = std::get_if<control::Counters>(&pending->answer))
         named->counters.push_back({"unsent", datagrams_.unsent()});
       if (auto* described = std::get_if<control::SceneDescription>(&pending->answer))
@@ -113,7 +109,7 @@ void SceneHost::reload(Scene scene) {
 void SceneHost::enter(std::shared_ptr<const Scene> next) {
   std::vector<GoodbyeDatagram> goodbyes;
   try {
-    goodbyes = sessions_.enter(*next, clock_());
+    goodbyes = sessions_.enter(*next, options_.clock());
   } catch (const std::exception& error) {
     return spdlog::error(
         "scene {}: the server failed to enter the reloaded scene: {}; the scene "
@@ -157,7 +153,7 @@ void SceneHost::change(LiveChange change, PostBack back,
 
 /// Makes the change. Returns its description, or the reason of the refusal.
 std::variant<std::string, control::Refused> SceneHost::make(const LiveChange& change) {
-  ChangeOutcome outcome = sessions_.change(change, clock_());
+  ChangeOutcome outcome = sessions_.change(change, options_.clock());
   if (auto* refused = std::get_if<control::Refused>(&outcome)) return std::move(*refused);
   auto& made = std::get<Changed>(outcome);
   if (made.scene != nullptr) scene_ = std::move(made.scene);
@@ -187,7 +183,7 @@ void SceneHost::describe(PostBack back, std::function<void(std::vector<HandDescr
 /// Writes a checksum of the moving bodies to the event log once a second. A replay compares it.
 void SceneHost::check(Nanoseconds now) noexcept {
   constexpr std::chrono::seconds kBetween{1};
-  if (!recorded_ || now - checked_at_ < kBetween) return;
+  if (options_.events == nullptr || now - checked_at_ < kBetween) return;
   checked_at_ = now;
   sessions_.check(now);
 }
@@ -197,19 +193,19 @@ void SceneHost::publish() {
   published_.set_sessions(sessions_.size());
   log_.tell_of_sessions(sessions_);
   if (sessions_.ended().empty()) return;
-  if (ended_) ended_({sessions_.ended().begin(), sessions_.ended().end()});
+  if (options_.ended) options_.ended({sessions_.ended().begin(), sessions_.ended().end()});
   sessions_.forget_ended();
 }
 
 void SceneHost::ask_for_real_time() {
-  const int priority = busy_poll_ == kForever ? 0 : kScenePriority;
+  const int priority = options_.busy_poll == kForever ? 0 : kScenePriority;
   if (const std::string less = missing(request_real_time(priority), priority); !less.empty())
     spdlog::warn("scene {}: answers may be late now and then: {}", name_, less);
 }
 
 /// Runs the loop of the scene's thread until closing_ is set.
 void SceneHost::run() {
-  if (real_time_) ask_for_real_time();
+  if (options_.real_time) ask_for_real_time();
   while (!closing_) {
     try {
       turn();
@@ -222,9 +218,9 @@ void SceneHost::run() {
 /// Waits for a datagram, a timer or a posted handler, and handles it. The silence timer is always
 /// pending, so Asio always has work and run_one() waits.
 void SceneHost::turn() {
-  if (!watching_) await_silence();
+  if (!silence_wait_.pending) await_silence();
   await_tick();
-  if (busy_poll_.count() > 0) spin();
+  if (options_.busy_poll.count() > 0) spin();
   if (closing_) return;
   if (datagrams_.has_datagrams()) {
     // These datagrams have left the socket, so the socket does not report them again.
@@ -232,7 +228,7 @@ void SceneHost::turn() {
     if (!closing_) serve();
     return;
   }
-  if (!waiting_) await_datagrams();
+  if (!datagram_wait_.pending) await_datagrams();
   io_.run_one();
 }
 
@@ -241,7 +237,7 @@ void SceneHost::turn() {
 void SceneHost::recover(const std::exception& failure) noexcept {
   constexpr std::chrono::milliseconds kPause{10};  // prevents a busy loop if the failure repeats
   try {
-    log_.tell_of_failure(failure, clock_());
+    log_.tell_of_failure(failure, options_.clock());
     datagrams_.say(sessions_.fail());
     publish();
   } catch (const std::exception&) {
@@ -250,21 +246,21 @@ void SceneHost::recover(const std::exception& failure) noexcept {
   std::this_thread::sleep_for(kPause);
 }
 
-/// Exchanges datagrams until none has come for the time busy_poll_. Runs posted handlers and timers
-/// between the exchanges.
+/// Exchanges datagrams until none has come for the time options_.busy_poll. Runs posted handlers
+/// and timers between the exchanges.
 void SceneHost::spin() {
-  Nanoseconds quiet_since = clock_();
+  Nanoseconds quiet_since = options_.clock();
   for (unsigned turn = 1; !closing_; ++turn) {
     if (turn % kTurnsBetweenLooks == 0 || posts_wait()) io_.poll();
     if (closing_) return;
-    if (sessions_.next_tick()) sessions_.tick(clock_());
+    if (sessions_.next_tick()) sessions_.tick(options_.clock());
     std::optional<Nanoseconds> until;
     if (exchange(until) > 0) {
       quiet_since = kForever;
-    } else if (busy_poll_ != kForever) {
-      const Nanoseconds now = clock_();
+    } else if (options_.busy_poll != kForever) {
+      const Nanoseconds now = options_.clock();
       quiet_since = std::min(quiet_since, now);
-      if (now - quiet_since >= busy_poll_) return;
+      if (now - quiet_since >= options_.busy_poll) return;
     }
   }
 }
@@ -288,46 +284,47 @@ std::size_t SceneHost::exchange(std::optional<Nanoseconds>& until) {
 
 void SceneHost::await_datagrams() {
   datagrams_.socket().async_wait(asio::ip::udp::socket::wait_read,
-                                 in(datagram_wait_, [this](const std::error_code& error) {
-                                   waiting_ = false;
+                                 in(datagram_wait_.memory, [this](const std::error_code& error) {
+                                   datagram_wait_.pending = false;
                                    if (!error) serve();
                                  }));
-  waiting_ = true;
+  datagram_wait_.pending = true;
 }
 
 void SceneHost::await_silence() {
   // Check at least every kLatest: a flooding session must end soon, even with a long timeout.
-  silence_timer_.expires_after(std::clamp<Nanoseconds>(silence_timeout_ / 4, kSoonest, kLatest));
-  silence_timer_.async_wait(in(silence_wait_, [this](const std::error_code& error) {
-    watching_ = false;
+  silence_timer_.expires_after(
+      std::clamp<Nanoseconds>(options_.silence_timeout / 4, kSoonest, kLatest));
+  silence_timer_.async_wait(in(silence_wait_.memory, [this](const std::error_code& error) {
+    silence_wait_.pending = false;
     if (error) return;
     await_silence();
-    const Nanoseconds now = clock_();
+    const Nanoseconds now = options_.clock();
     datagrams_.say(sessions_.expire(now));
     publish();
     log_.tell_of_load(sessions_, now);
     check(now);
     published_.draw(sessions_, now);
   }));
-  watching_ = true;
+  silence_wait_.pending = true;
 }
 
 /// Starts the timer for the next step of the moving bodies, if there is a session. So the bodies
 /// move even if no datagram comes.
 void SceneHost::await_tick() {
   const auto due = sessions_.next_tick();
-  if (!due || ticking_) return;
+  if (!due || tick_wait_.pending) return;
   tick_timer_.expires_at(asio::steady_timer::time_point(*due));
-  tick_timer_.async_wait(in(tick_wait_, [this](const std::error_code& error) {
-    ticking_ = false;
+  tick_timer_.async_wait(in(tick_wait_.memory, [this](const std::error_code& error) {
+    tick_wait_.pending = false;
     if (error || sessions_.world() == nullptr) return;  // the new scene has no moving objects
-    const Nanoseconds now = clock_();
+    const Nanoseconds now = options_.clock();
     sessions_.tick(now);
-    sessions_.spent_otherwise(clock_() - now);
+    sessions_.spent_otherwise(options_.clock() - now);
     log_.tell_of_world(sessions_, now);
     await_tick();
   }));
-  ticking_ = true;
+  tick_wait_.pending = true;
 }
 
 SceneSummary SceneHost::count() const {

@@ -108,6 +108,12 @@ class SceneHost final : public SceneInView, public SceneControls {
   SceneSummary summary();
 
  private:
+  /// An operation that is started again and again.
+  struct Wait {
+    OperationMemory memory;
+    bool pending = false;
+  };
+
   void ask_for_real_time();
   void run();
   void turn();
@@ -130,25 +136,17 @@ class SceneHost final : public SceneInView, public SceneControls {
   std::string name_;
   std::shared_ptr<const Scene> scene_;
   PublishedScene published_;
-  bool recorded_;
+  const SceneHostOptions options_;
   Nanoseconds checked_at_{0};
-  Nanoseconds silence_timeout_, busy_poll_;
-  bool real_time_;
-  std::function<Nanoseconds()> clock_;
-  std::function<void(std::vector<EndedSession>)> ended_;
   SceneSessions sessions_;
-  std::atomic<int> posts_{0};  // posted requests that are not yet handled
-  // Operations that are started again and again; they outlive Asio's references.
-  OperationMemory datagram_wait_, silence_wait_, tick_wait_;
+  std::atomic<int> posts_{0};                      // posted requests that are not yet handled
+  Wait datagram_wait_, silence_wait_, tick_wait_;  // they outlive Asio's references
   asio::io_context io_{1};
   DatagramExchange datagrams_;
   asio::steady_timer silence_timer_{io_};
   asio::steady_timer tick_timer_{io_};
   HostLog log_;
   // Only for the scene's thread:
-  bool ticking_ = false;   // the tick timer waits
-  bool watching_ = false;  // the silence timer waits
-  bool waiting_ = false;   // waits for the socket to be readable
   bool closing_ = false;
   std::thread thread_;
 };
