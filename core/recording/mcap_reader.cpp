@@ -74,13 +74,13 @@ std::optional<Reader::Record> Reader::read_record() {
 }
 
 std::optional<Reader::Record> Reader::record_in_chunk() {
-  if (chunk_rest_.empty()) return std::nullopt;
-  Cursor rest(chunk_rest_);
+  if (chunk_.rest.empty()) return std::nullopt;
+  Cursor rest(chunk_.rest);
   Record record;
   record.opcode = rest.number<std::uint8_t>();
   record.content = rest.bytes(rest.number<std::uint64_t>());
   require(rest.ok(), "a record of this chunk is longer than the chunk");
-  chunk_rest_ = rest.rest();
+  chunk_.rest = rest.rest();
   return record;
 }
 
@@ -229,18 +229,18 @@ void Reader::open_chunk(Cursor content) {
             std::to_string(limits_.chunk) + " are read");
   if (compression.empty()) {
     require(records.size() == size, "a chunk has another size than it says");
-    chunk_ = records;
+    chunk_.records = records;
   } else if (compression == "zstd") {
-    require(decompressor_.decompress(records, static_cast<std::size_t>(size), chunk_),
+    require(decompressor_.decompress(records, static_cast<std::size_t>(size), chunk_.records),
             "a chunk cannot be decompressed");
   } else {
     throw FileError(name_ + ": byte " + std::to_string(record_at_) +
                     ": a chunk is compressed by a method that is not known here; convert the file "
                     "with: mcap compress --compression zstd");
   }
-  require(crc == 0 || crc == crc32(chunk_), "the CRC of a chunk is wrong");
-  chunk_rest_ = chunk_;
-  ++chunks_;
+  require(crc == 0 || crc == crc32(chunk_.records), "the CRC of a chunk is wrong");
+  chunk_.rest = chunk_.records;
+  ++chunk_.count;
 }
 
 void Reader::take_data_end(Cursor content) {
@@ -293,7 +293,7 @@ std::map<std::string, std::string> Reader::map_of(std::string_view bytes) const 
 void Reader::compare_statistics() const {
   if (!statistics_) return;
   require(statistics_->messages == messages_, "the statistics count other messages than there are");
-  require(statistics_->chunks == chunks_, "the statistics count other chunks than there are");
+  require(statistics_->chunks == chunk_.count, "the statistics count other chunks than there are");
 }
 
 }  // namespace feltwire::mcap

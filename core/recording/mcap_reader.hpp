@@ -51,6 +51,13 @@ class Reader {
     std::string_view content;
   };
 
+  /// The open chunk.
+  struct Chunk {
+    std::string records;      // decompressed
+    std::string_view rest;    // not read yet
+    std::uint32_t count = 0;  // of chunks so far, with this one
+  };
+
   [[noreturn]] void damaged(const std::string& what) const;
   void require(bool good, const char* what) const {
     if (!good) damaged(what);
@@ -79,8 +86,8 @@ class Reader {
   std::uint64_t record_at_ = 0;             // the beginning of the newest record
   std::uint32_t crc_ = 0, crc_before_ = 0;  // of the section, up to now and up to the newest record
   bool data_ended_ = false, ended_ = false;  // DataEnd came; there is no more
-  std::string record_, chunk_;
-  std::string_view chunk_rest_;  // of the open chunk
+  std::string record_;
+  Chunk chunk_;
   std::optional<std::uint64_t> cut_at_;
   std::map<std::uint16_t, Schema> schemas_;
   std::map<std::uint16_t, Channel> channels_;
@@ -88,7 +95,6 @@ class Reader {
   std::vector<Attachment> attachments_;
   std::optional<Statistics> statistics_;
   std::uint64_t messages_ = 0;
-  std::uint32_t chunks_ = 0;
 };
 
 }  // namespace feltwire::mcap
