@@ -53,7 +53,7 @@ double force_ratio(const Command& rendered, const Command& commanded) {
 
 }  // namespace
 
-/// The movement of the device from the session's newest sample, last_, to the next sample.
+/// The movement of the device from the session's newest sample to the next sample.
 struct Session::Movement {
   Vec3 displacement = Vec3::Zero();  // [m]
   Vec3 rotation = Vec3::Zero();      // [rad] rotation vector
@@ -77,7 +77,7 @@ BatchResult Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   BatchResult taken;
   taken.drop = check(batch);
   if (taken.drop != DropReason::none) return taken;
-  if (batch.samples[0].index <= last_.index) {
+  if (batch.samples[0].index <= newest_.sample.index) {
     ++counters_.duplicates;
     taken.drop = DropReason::stale;
     return taken;
@@ -88,16 +88,16 @@ BatchResult Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   // that are already processed.
   for (int i = batch.count - 1; i >= 0; --i) {
     const Sample& sample = batch.samples[static_cast<std::size_t>(i)];
-    if (sample.index > last_.index) step(sample, batch.rotation, taken.reply);
+    if (sample.index > newest_.sample.index) step(sample, batch.rotation, taken.reply);
   }
   if (batch.report) hear(*batch.report);
   Reply& reply = taken.reply;
-  outcome_.bounded = reply.active;
-  outcome_.saturated = reply.saturated;
-  outcome_.refused = reply.refused;
-  outcome_.gap = reply.gap;
-  reply.sample_index = last_.index;
-  reply.client_time = last_.client_time;
+  newest_.outcome.bounded = reply.active;
+  newest_.outcome.saturated = reply.saturated;
+  newest_.outcome.refused = reply.refused;
+  newest_.outcome.gap = reply.gap;
+  reply.sample_index = newest_.sample.index;
+  reply.client_time = newest_.sample.client_time;
   reply.server_receive_time = reply.server_send_time = now;
   reply.rotation = device_.rotation_actuated > 0;
   const bool modelled = parameters_.local_model && !observes_,
@@ -108,7 +108,8 @@ BatchResult Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   reply.body_modelled = reply.body.reach > 0.0;  // the reach is 0 if the model cannot be sent
   reply.model.scene = reply.body.scene = scenes_;
   if (sends_normals_ && !reply.command.elastic.isZero(0.0))
-    reply.normals = pushing_normals(reply.modelled ? reply.model : model(), last_.pose.position);
+    reply.normals =
+        pushing_normals(reply.modelled ? reply.model : model(), newest_.sample.pose.position);
   reply.delivered = delivered();
   reply.reloads = reloads_;
   reply.recovering = place_.world != nullptr && place_.world->recovering();
@@ -132,9 +133,9 @@ void Session::hear(const HandReport& report) noexcept {
 /// Counts a gap if a sample that the client sent before this batch has not arrived. A sample that
 /// the client did not send makes no gap.
 void Session::count_gap(const SampleBatch& batch, Reply& reply) noexcept {
-  if (last_.index == 0 || batch.previous <= last_.index) return;
+  if (newest_.sample.index == 0 || batch.previous <= newest_.sample.index) return;
   ++counters_.gaps;
-  counters_.missed += batch.previous - last_.index;
+  counters_.missed += batch.previous - newest_.sample.index;
   reply.gap = true;
 }
 
@@ -142,15 +143,15 @@ Session::Movement Session::movement_to(const Sample& sample, bool rotation) cons
   Movement movement;
   const double period = parameters_.servo_period;
   movement.nominal_time = movement.elapsed = period;
-  if (last_.index == 0) return movement;
+  if (newest_.sample.index == 0) return movement;
 
-  movement.displacement = sample.pose.position - last_.pose.position;
+  movement.displacement = sample.pose.position - newest_.sample.pose.position;
   // A rotation is known only if both samples have an orientation.
-  if (rotation && last_rotation_)
-    movement.rotation = rotation_between(last_.pose.orientation, sample.pose.orientation);
-  movement.nominal_time = static_cast<double>(sample.index - last_.index) * period;
+  if (rotation && newest_.rotation)
+    movement.rotation = rotation_between(newest_.sample.pose.orientation, sample.pose.orientation);
+  movement.nominal_time = static_cast<double>(sample.index - newest_.sample.index) * period;
   // If the client's clock stands still or runs backwards, use the nominal time.
-  const double elapsed = seconds_between(last_.client_time, sample.client_time);
+  const double elapsed = seconds_between(newest_.sample.client_time, sample.client_time);
   movement.elapsed = elapsed > 0.0 ? elapsed : movement.nominal_time;
   return movement;
 }
@@ -159,8 +160,8 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   const Movement movement = movement_to(sample, rotation);
 
   // Observe the energy that the device gave to the hand since the last received sample, with the
-  // force that the client reported (`last_.held`). It is zero before the first sample.
-  observer_.step(last_.held, movement.displacement, movement.rotation, movement.elapsed);
+  // force that the client reported (`newest_.sample.held`). It is zero before the first sample.
+  observer_.step(newest_.sample.held, movement.displacement, movement.rotation, movement.elapsed);
 
   // The time for which the last command was held. If the real time is longer than the nominal one,
   // the bound may use it, because the device's damping dissipated energy during all of it.
@@ -183,7 +184,7 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   if (place_.view->requirements().velocity) tool.velocity = velocity_.update(tool_moved, hold_time);
 
   const Command command = actuated(device_, touch(pose, tool, hold_time));
-  outcome_.asked = command;
+  newest_.outcome.asked = command;
   reply.command = command;
   reply.active = reply.saturated = reply.refused = false;
   reply.ratio = 1.0;
@@ -199,8 +200,8 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
     reply.ratio = force_ratio(bounded.rendered, command);
   }
   deadband_.add(reply.command, hold_time);
-  last_ = sample;
-  last_rotation_ = rotation;
+  newest_.sample = sample;
+  newest_.rotation = rotation;
   ++counters_.samples;
 }
 
@@ -279,21 +280,22 @@ void Session::forget_surfaces() noexcept {
 }
 
 LocalModel Session::model() const noexcept {
-  if (!touches()) return {.center = last_.pose.position, .reach = kModelReach};
-  LocalModel model =
-      place_.world != nullptr
-          ? local_model(*place_.world, last_.pose.position, place_.contacts,
-                        place_.body_contacts.held, prefetched_.known)
-          : local_model(*place_.view, last_.pose.position, place_.contacts, prefetched_.known);
+  if (!touches()) return {.center = newest_.sample.pose.position, .reach = kModelReach};
+  LocalModel model = place_.world != nullptr
+                         ? local_model(*place_.world, newest_.sample.pose.position, place_.contacts,
+                                       place_.body_contacts.held, prefetched_.known)
+                         : local_model(*place_.view, newest_.sample.pose.position, place_.contacts,
+                                       prefetched_.known);
   model.surfaces = prefetched_.version;
   return model;
 }
 
 BodyModel Session::body_model(int most) const noexcept {
   return place_.world != nullptr
-             ? feltwire::body_model(*place_.world, last_.pose, body_, place_.body_contacts.held,
-                                    prefetched_.version, prefetched_.known, most)
-             : feltwire::body_model(*place_.view, last_.pose, body_, prefetched_.version,
+             ? feltwire::body_model(*place_.world, newest_.sample.pose, body_,
+                                    place_.body_contacts.held, prefetched_.version,
+                                    prefetched_.known, most)
+             : feltwire::body_model(*place_.view, newest_.sample.pose, body_, prefetched_.version,
                                     prefetched_.known, most);
 }
 
@@ -329,7 +331,7 @@ Command Session::touch(const Pose& device, const Tool& tool, double elapsed) noe
 }
 
 ProxyPlace Session::proxy() const noexcept {
-  const Vec3& tool = last_.pose.position;
+  const Vec3& tool = newest_.sample.pose.position;
   if (!touches()) return {tool, 0.0};
   if (place_.view->tool().body) {
     const Vec3& held = body_.placed ? body_.pose.position : tool;
@@ -353,7 +355,8 @@ ProxyPlace Session::proxy() const noexcept {
 }
 
 void Session::push(double age) noexcept {
-  if (last_.index == 0 || !touches()) return;  // no sample yet, or no contact with the scene
+  if (newest_.sample.index == 0 || !touches())
+    return;  // no sample yet, or no contact with the scene
   const double share = std::clamp(2.0 * (1.0 - age / parameters_.hold_time), 0.0, 1.0);
   if (!(share > 0.0)) return;
   if (place_.view->tool().body)

@@ -143,10 +143,10 @@ class Session {
   /// targets.
   bool observes() const { return observes_; }
   /// The newest sample taken; its index is 0 before the first.
-  const Sample& newest() const { return last_; }
+  const Sample& newest() const { return newest_.sample; }
 
   /// All false and zero before the first sample.
-  const SampleOutcome& outcome() const { return outcome_; }
+  const SampleOutcome& outcome() const { return newest_.outcome; }
   /// The newest report of its client; empty: nothing yet.
   const std::optional<HandReport>& report() const { return report_; }
   const HandTimesHeard& times() const { return times_; }
@@ -173,6 +173,12 @@ class Session {
     bool fresh = false;  // it has not stepped yet, the session has
     Vec3 probe_offset =
         Vec3::Zero();  // [m] from the device to the place where the scene was evaluated last
+  };
+  /// The newest sample taken.
+  struct Newest {
+    Sample sample;          // index 0: none taken yet
+    bool rotation = false;  // it had an orientation
+    SampleOutcome outcome;
   };
   /// The objects that the client has in full.
   struct Prefetched {
@@ -206,11 +212,9 @@ class Session {
   ReplyDeadband deadband_;
 
   std::uint8_t reloads_ = 0;  // of the scene, modulo 256
-  Sample last_;               // index 0: none taken yet
-  SampleOutcome outcome_;     // of that sample
+  Newest newest_;
   std::optional<HandReport> report_;
   HandTimesHeard times_;
-  bool last_rotation_ = false;  // it had an orientation
   SessionCounters counters_;
 };
 
