@@ -60,6 +60,13 @@ struct ObserverProgress {
   std::uint8_t seat = 0;  // of the robot in its last view
 };
 
+/// What a hand has to answer for in the simulation of a scene.
+struct ResetBlame {
+  // Resets of the world for which it may still be blamed.
+  TokenBucket resets{SessionLimits::kResets / SessionLimits::kResetTime, SessionLimits::kResets};
+  bool disturbing = false;  // it had no reset left: it pushes nothing any more, and ends
+};
+
 /// A session with the data of its transport.
 struct SessionSlot {
   /// Joins at `now`. Throws as Session does, and std::invalid_argument if the cipher suite is not
@@ -92,10 +99,8 @@ struct SessionSlot {
   Nanoseconds last_heard, joined;
   Peer peer;      // of the newest datagram with a newer sample
   PathRoom path;  // from here to the peer
-  // Resets of the world for which its hand may still be blamed.
-  TokenBucket resets{SessionLimits::kResets / SessionLimits::kResetTime, SessionLimits::kResets};
-  bool disturbing = false;  // it had no reset left: it pushes nothing any more, and ends
-  ChangesTaken takes;       // changes that its client takes
+  ResetBlame blame;
+  ChangesTaken takes;  // changes that its client takes
   std::optional<AskedChange> asked = {};
   double lead_share;      // for TeleopLink::lead()
   std::uint8_t seat = 0;  // a robot's, or that of the robot that the hand leads

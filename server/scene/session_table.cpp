@@ -61,7 +61,7 @@ std::optional<Ending> ending(const SessionSlot& slot, Nanoseconds now,
   using Counters = SessionTableCounters;
   if (slot.rate.flooding())
     return Ending{GoodbyeReason::flooding, &Counters::flooded, SessionEnd::flooded};
-  if (slot.disturbing)
+  if (slot.blame.disturbing)
     return Ending{GoodbyeReason::disturbing, &Counters::disturbing, SessionEnd::disturbing};
   if (slot.opener.exhausted())
     return Ending{GoodbyeReason::evicted, &Counters::forged, SessionEnd::forged};

@@ -23,7 +23,7 @@ void blame(const SessionSlots& hands, Nanoseconds now) noexcept {
   if (!(hardest > 0.0)) return;  // no hand pushed the bodies that failed
   for (const auto& hand : hands)
     if (hand->session.blame() >= kShare * hardest)
-      hand->disturbing = hand->disturbing || !hand->resets.take(now);
+      hand->blame.disturbing = hand->blame.disturbing || !hand->blame.resets.take(now);
 }
 
 }  // namespace
@@ -47,7 +47,7 @@ void WorldClock::tick(Nanoseconds now, const SessionSlots& hands,
   drop_late_ticks(now);
   while (now - last_tick_ >= tick_) {
     for (const auto& hand : hands)
-      if (!hand->disturbing) hand->session.push(seconds(last_tick_ - hand->last_heard));
+      if (!hand->blame.disturbing) hand->session.push(seconds(last_tick_ - hand->last_heard));
     for (RobotSeat& seat : seats)
       if (seat.arm) seat.arm->drive(*world_, seat.link, last_tick_ + tick_);
     if (!world_->step()) blame(hands, now);

@@ -93,7 +93,7 @@ TEST(WorldClock, AHandPushesUnlessItIsDisturbing) {
     bench.hands.push_back(
         test::make_slot(bench.scene, 1, test::join_request({}), bench.clock.world()));
     SessionSlot& hand = *bench.hands.front();
-    hand.disturbing = disturbing;
+    hand.blame.disturbing = disturbing;
     SampleBatch batch;
     batch.count = 1;
     batch.samples[0].index = 1;
@@ -133,7 +133,7 @@ TEST(WorldClock, AHandThatBreaksTheWorldAgainAndAgainIsDisturbing) {
   SessionSlot& hand = *bench.hands.front();
   SampleBatch batch;
   batch.count = 1;
-  for (std::uint64_t n = 1; n <= 8000 && !hand.disturbing; ++n) {
+  for (std::uint64_t n = 1; n <= 8000 && !hand.blame.disturbing; ++n) {
     const Nanoseconds now = std::chrono::milliseconds(n);
     batch.previous = n - 1;
     batch.samples[0].index = n;
@@ -142,7 +142,7 @@ TEST(WorldClock, AHandThatBreaksTheWorldAgainAndAgainIsDisturbing) {
     ASSERT_EQ(hand.session.take(batch, now).drop, DropReason::none);
     bench.run_to(now);
   }
-  EXPECT_TRUE(hand.disturbing);
+  EXPECT_TRUE(hand.blame.disturbing);
   EXPECT_GT(bench.clock.counters().world.resets, std::uint64_t{SessionLimits::kResets});
 }
 
