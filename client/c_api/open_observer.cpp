@@ -82,9 +82,9 @@ bool OpenObserver::latest(fw_scene_state& state) const noexcept {
 }
 
 std::optional<std::string> OpenObserver::name_of(std::uint32_t hand) const {
-  const std::lock_guard lock(mutex_);
-  const auto found = names_.find(hand);
-  return found != names_.end() ? std::optional(found->second) : std::nullopt;
+  const std::lock_guard lock(shared_.mutex);
+  const auto found = shared_.names.find(hand);
+  return found != shared_.names.end() ? std::optional(found->second) : std::nullopt;
 }
 
 OpenObserver::News OpenObserver::wait(std::uint64_t number, double timeout) const {
@@ -92,14 +92,14 @@ OpenObserver::News OpenObserver::wait(std::uint64_t number, double timeout) cons
   const auto until = std::chrono::steady_clock::now() +
                      std::chrono::duration_cast<std::chrono::nanoseconds>(
                          std::chrono::duration<double>(std::min(timeout, kLongest)));
-  std::unique_lock lock(mutex_);
-  changed_.wait_until(lock, until, [&] { return ended_ || number_ > number; });
-  return number_ > number ? News::newer : ended_ ? News::ended : News::none;
+  std::unique_lock lock(shared_.mutex);
+  shared_.changed.wait_until(lock, until, [&] { return shared_.ended || shared_.number > number; });
+  return shared_.number > number ? News::newer : shared_.ended ? News::ended : News::none;
 }
 
 std::string OpenObserver::error() const {
-  const std::lock_guard lock(mutex_);
-  return error_;
+  const std::lock_guard lock(shared_.mutex);
+  return shared_.error;
 }
 
 std::string OpenObserver::end() noexcept {
@@ -131,10 +131,10 @@ void OpenObserver::run() {
     why = error.what();
   }
   session_.reset();
-  const std::lock_guard lock(mutex_);
-  if (!stop_.is_set()) error_ = std::move(why);
-  ended_ = true;
-  changed_.notify_all();
+  const std::lock_guard lock(shared_.mutex);
+  if (!stop_.is_set()) shared_.error = std::move(why);
+  shared_.ended = true;
+  shared_.changed.notify_all();
 }
 
 /// Takes the views of a session until it ends. Returns the reason for the end.
@@ -182,29 +182,29 @@ void OpenObserver::take(const TimedView& shown, double began) {
   const double time = began + shown.time;
   newest_.state.time = time;
   newest_.clock = monotonic_now().count();
-  for (const std::uint32_t gone : seen_.hands_gone()) hand_times_.erase(gone);
-  for (const std::uint16_t gone : seen_.bodies_gone()) body_times_.erase(gone);
+  for (const std::uint32_t gone : seen_.hands_gone()) times_.hands.erase(gone);
+  for (const std::uint16_t gone : seen_.bodies_gone()) times_.bodies.erase(gone);
   for (const SeenHand& hand : shown.view.hands()) {
     if (!seen_.hands().contains(hand.number)) continue;  // it had no room
-    const auto [at, is_new] = hand_times_.insert_or_assign(hand.number, time);
+    const auto [at, is_new] = times_.hands.insert_or_assign(hand.number, time);
     if (is_new) has_newcomers_.store(true);
   }
   for (const SeenBody& body : shown.view.bodies())
-    if (seen_.bodies().contains(body.object)) body_times_.insert_or_assign(body.object, time);
+    if (seen_.bodies().contains(body.object)) times_.bodies.insert_or_assign(body.object, time);
 }
 
 /// Gives the state to all readers.
 void OpenObserver::publish(bool connected) {
   if (!connected) {
-    hand_times_.clear();
-    body_times_.clear();
+    times_.hands.clear();
+    times_.bodies.clear();
   }
   told_hands_.clear();
   for (const auto& [number, hand] : seen_.hands())
-    told_hands_.push_back(to_c(hand, hand_times_[number]));
+    told_hands_.push_back(to_c(hand, times_.hands[number]));
   told_bodies_.clear();
   for (const auto& [object, body] : seen_.bodies())
-    told_bodies_.push_back(to_c(body, body_times_[object]));
+    told_bodies_.push_back(to_c(body, times_.bodies[object]));
   hands_.put(told_hands_);
   bodies_.put(told_bodies_);
   fw_scene_state& state = newest_.state;
@@ -214,9 +214,9 @@ void OpenObserver::publish(bool connected) {
   state.connected = connected ? 1 : 0;
   state.left_out = static_cast<std::uint32_t>(seen_.left_out());
   latest_.put(newest_);
-  const std::lock_guard lock(mutex_);
-  number_ = state.number;
-  changed_.notify_all();
+  const std::lock_guard lock(shared_.mutex);
+  shared_.number = state.number;
+  shared_.changed.notify_all();
 }
 
 /// Asks for the names of hands while there are new ones, until `over` is set.
@@ -235,8 +235,8 @@ bool OpenObserver::ask_once() {
     std::map<std::uint32_t, std::string> names;
     for (auto& session : described_sessions(server, request_.scene, room))
       names.emplace(session.number, std::move(session.client));
-    const std::lock_guard lock(mutex_);
-    names_ = std::move(names);
+    const std::lock_guard lock(shared_.mutex);
+    shared_.names = std::move(names);
     return true;
   } catch (const LastingError&) {
     return true;  // a server that is too old does not know the request

@@ -58,6 +58,21 @@ class OpenObserver {
     std::int64_t clock;  // [ns] monotonic
   };
 
+  /// [s] of the view that told of a hand or body.
+  struct ViewTimes {
+    std::map<std::uint32_t, double> hands;
+    std::map<std::uint16_t, double> bodies;
+  };
+  /// The mutex guards the members after it.
+  struct Shared {
+    mutable std::mutex mutex;
+    mutable std::condition_variable changed;
+    std::uint64_t number = 0;  // of the newest state
+    bool ended = false;
+    std::string error;
+    std::map<std::uint32_t, std::string> names;  // of hands
+  };
+
   void run();
   std::string observe(ObserverSession& session);
   std::unique_ptr<ObserverSession> find_again(std::string& why);
@@ -73,8 +88,7 @@ class OpenObserver {
   std::unique_ptr<ObserverSession> session_;
   // Members of the thread.
   ObservedScene seen_;
-  std::map<std::uint32_t, double> hand_times_;  // [s] of the view that told of it
-  std::map<std::uint16_t, double> body_times_;
+  ViewTimes times_;
   std::vector<fw_seen_hand> told_hands_;
   std::vector<fw_seen_body> told_bodies_;
   State newest_{};
@@ -83,13 +97,8 @@ class OpenObserver {
   LatestList<fw_seen_hand> hands_{ObservedScene::kMostHands};
   LatestList<fw_seen_body> bodies_{ObservedScene::kMostBodies};
   MessageQueue messages_;
-  mutable std::mutex mutex_;  // guards the next members
-  mutable std::condition_variable changed_;
-  std::uint64_t number_ = 0;  // of the newest state
-  bool ended_ = false;
-  std::string error_;
-  std::map<std::uint32_t, std::string> names_;  // of hands
-  std::atomic<bool> has_newcomers_{false};      // hands whose names are not known
+  Shared shared_;
+  std::atomic<bool> has_newcomers_{false};  // hands whose names are not known
   Event stop_;
   std::thread thread_;
 };
