@@ -19,10 +19,10 @@ std::string metres(double length) {
 }  // namespace
 
 std::string holes_text(const MeshReport& report) {
-  if (report.holes == 0) return "";
-  if (report.holes == 1) return ", 1 hole " + metres(report.widest_hole) + " across";
-  return ", " + std::to_string(report.holes) + " holes " + metres(report.narrowest_hole) + " to " +
-         metres(report.widest_hole) + " across";
+  if (report.holes.count == 0) return "";
+  if (report.holes.count == 1) return ", 1 hole " + metres(report.holes.widest) + " across";
+  return ", " + std::to_string(report.holes.count) + " holes " + metres(report.holes.narrowest) +
+         " to " + metres(report.holes.widest) + " across";
 }
 
 std::string open_text(const MeshReport& report) {
@@ -34,9 +34,9 @@ std::string open_text(const MeshReport& report) {
 std::string mend_text(const MeshReport& report) {
   // Largest width of a narrow hole, as a share of the longest side.
   constexpr double kNarrow = 1e-3;
-  if (report.holes == 0 || report.widest_hole > kNarrow * report.size) return "mend it";
+  if (report.holes.count == 0 || report.holes.widest > kNarrow * report.size) return "mend it";
   std::array<char, 32> weld{};
-  std::snprintf(weld.data(), weld.size(), "%.2g", 2.0 * report.widest_hole);
+  std::snprintf(weld.data(), weld.size(), "%.2g", 2.0 * report.holes.widest);
   return "set \"weld\": " + std::string(weld.data()) + ", which closes narrow holes, or mend it";
 }
 
@@ -52,10 +52,10 @@ std::vector<std::string> warnings(const MeshReport& report, bool closed) {
                              (report.degenerate_height > 0.0
                                   ? "the highest is " + metres(report.degenerate_height) + " high"
                                   : std::string("nothing is missing of the surface")));
-  say(report.split, " open edges had corners of other triangles on them, at most " +
-                        metres(report.split_farthest) +
-                        " away, and were split there; the surface is the same");
-  if (report.split_search_ended)
+  say(report.split.count, " open edges had corners of other triangles on them, at most " +
+                              metres(report.split.farthest) +
+                              " away, and were split there; the surface is the same");
+  if (report.split.search_ended)
     found.push_back(
         "too many open edges lie over each other to look at all for corners on them; remove what "
         "stands twice");

@@ -240,8 +240,8 @@ Joined join(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
   return joined;
 }
 
-Holes holes(std::span<const Vec3> vertices, std::span<const Edge> open) {
-  Holes found;
+MeshHoles holes(std::span<const Vec3> vertices, std::span<const Edge> open) {
+  MeshHoles found;
   for (const Ring& ring : rings_of(vertices.size(), open)) {
     const double here = width(vertices, ring);
     found.narrowest = found.count == 0 ? here : std::min(found.narrowest, here);

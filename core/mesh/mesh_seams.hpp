@@ -26,14 +26,9 @@ struct Joined {
 Joined join(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
             std::span<const Edge> open, double weld);
 
-struct Holes {
-  std::size_t count = 0;
-  double narrowest = 0.0, widest = 0.0;  // [m] about the size of a ball that passes
-};
-
 /// Open edges form rings. Each ring is a hole, or the border of a sheet. Its width is the upper
 /// quartile, over places of the ring, of the distance to the nearest place that is at least 1.49
 /// times as far away along the ring.
-Holes holes(std::span<const Vec3> vertices, std::span<const Edge> open);
+MeshHoles holes(std::span<const Vec3> vertices, std::span<const Edge> open);
 
 }  // namespace feltwire::mesh_seams

@@ -115,13 +115,10 @@ TriangleMesh::TriangleMesh(const TriangleSoup& soup, std::optional<double> weld,
   index_vertices();
   drop_duplicates();
   const auto open = split_open_edges(join_open_edges(find_neighbours())).edges;
-  const mesh_seams::Holes holes = mesh_seams::holes(vertices_, open);
-  report_.holes = holes.count;
+  report_.holes = mesh_seams::holes(vertices_, open);
   for (std::size_t v = 0; v + 1 < first_.size(); ++v)
     report_.most_at_corner =
         std::max<std::size_t>(report_.most_at_corner, first_[v + 1] - first_[v]);
-  report_.narrowest_hole = holes.narrowest;
-  report_.widest_hole = holes.widest;
   report_.volume = volume();
 }
 
@@ -157,11 +154,11 @@ TriangleMesh::OpenEdges TriangleMesh::split_open_edges(OpenEdges open) {
   const double weld = std::max(report_.weld, kRounding * report_.size);
   for (int round = 0; round < kMostSplitRounds && !open.edges.empty(); ++round) {
     edge_splits::Split split = edge_splits::split(vertices_, triangles_, open.sides, weld);
-    report_.split_search_ended = report_.split_search_ended || !split.all_looked;
+    report_.split.search_ended = report_.split.search_ended || !split.all_looked;
     if (split.edges == 0 || split.triangles.size() > kMostTriangles) break;
-    report_.split += split.edges;
-    report_.split_farthest = std::max(report_.split_farthest, split.farthest);
-    report_.added += split.triangles.size() - triangles_.size();
+    report_.split.count += split.edges;
+    report_.split.farthest = std::max(report_.split.farthest, split.farthest);
+    report_.split.added += split.triangles.size() - triangles_.size();
     triangles_ = std::move(split.triangles);
     index_vertices();
     drop_duplicates();
@@ -231,7 +228,6 @@ void TriangleMesh::weld(const TriangleSoup& soup) {
     renamed.push_back(places.find_or_add(v, known, next));
     if (renamed.back() == next) known.push_back(v);
   }
-  report_.welded = soup.vertices.size() - known.size();
 
   std::vector<bool> used(known.size());
   triangles_.reserve(soup.triangles.size());

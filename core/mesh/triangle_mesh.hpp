@@ -16,18 +16,28 @@ namespace feltwire {
 /// The next corner round a triangle: 0, 1, 2, 0.
 constexpr std::size_t corner_after(std::size_t corner) { return corner == 2 ? 0 : corner + 1; }
 
+/// Open edges with corners of other triangles on them, which were split there.
+struct SplitEdges {
+  std::size_t count = 0;
+  std::size_t added = 0;      // triangles more than before by that
+  double farthest = 0.0;      // [m] largest distance of such a corner from its edge
+  bool search_ended = false;  // too many open edges lie over each other: not all looked at
+};
+
+/// Rings of edges with one triangle: holes, or the border of a sheet.
+struct MeshHoles {
+  std::size_t count = 0;
+  double narrowest = 0.0, widest = 0.0;  // [m] about the size of a ball that passes
+};
+
 /// The findings of TriangleMesh's constructor. None is an error: every such mesh can be touched.
 struct MeshReport {
-  std::size_t welded = 0;              // vertices at exactly the place of another, made one
-  std::size_t joined = 0;              // vertices of open edges close to another, made one
-  double weld = 0.0;                   // [m] largest distance that is joined
-  double joined_farthest = 0.0;        // [m] largest distance that was joined
-  std::size_t degenerate = 0;          // triangles without an area: left out
-  double degenerate_height = 0.0;      // [m] largest height of these
-  std::size_t split = 0;               // open edges with corners of others on them, split there
-  std::size_t added = 0;               // triangles more than before by that
-  double split_farthest = 0.0;         // [m] largest distance of such a corner from its edge
-  bool split_search_ended = false;     // too many open edges lie over each other: not all looked at
+  std::size_t joined = 0;          // vertices of open edges close to another, made one
+  double weld = 0.0;               // [m] largest distance that is joined
+  double joined_farthest = 0.0;    // [m] largest distance that was joined
+  std::size_t degenerate = 0;      // triangles without an area: left out
+  double degenerate_height = 0.0;  // [m] largest height of these
+  SplitEdges split{};
   std::size_t duplicate = 0;           // triangles on the corners of another one: left out
   std::size_t opposed = 0;             // of these: they faced the other way than their neighbours
   std::size_t both_sides = 0;          // faces with a triangle on each side: no neighbour decides
@@ -35,12 +45,10 @@ struct MeshReport {
   std::size_t non_manifold_edges = 0;  // with more than two
   std::size_t turned_edges = 0;        // whose two triangles disagree about the outside
   std::size_t most_at_corner = 0;      // triangles round one corner
-  std::size_t holes = 0;               // rings of edges with one triangle
-  double narrowest_hole = 0.0;         // [m] across
-  double widest_hole = 0.0;            // [m] across
-  double volume = 0.0;                 // [m^3] enclosed; < 0 if the normals point inwards
-  double size = 0.0;                   // [m] the longest side of the box about it
-  double typical_side = 0.0;           // [m] median of the triangles' longest sides
+  MeshHoles holes{};
+  double volume = 0.0;        // [m^3] enclosed; < 0 if the normals point inwards
+  double size = 0.0;          // [m] the longest side of the box about it
+  double typical_side = 0.0;  // [m] median of the triangles' longest sides
 
   /// Every edge has two triangles that agree about the outside.
   bool closed() const {

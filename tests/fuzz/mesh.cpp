@@ -27,11 +27,11 @@ void require_soup(const TriangleSoup& soup) {
 void require_mesh(const TriangleMesh& mesh, const TriangleSoup& soup) {
   const MeshReport& report = mesh.report();
   require(mesh.triangles().size() + report.degenerate + report.duplicate ==
-              soup.triangles.size() + report.added,
+              soup.triangles.size() + report.split.added,
           "every triangle is kept or split, without an area or a duplicate");
   require(report.joined == 0 || report.joined_farthest <= report.weld, "none is joined from afar");
-  require((report.holes > 0) == (report.boundary_edges > 0), "open edges are rims of holes");
-  require(std::isfinite(report.widest_hole) && report.narrowest_hole <= report.widest_hole,
+  require((report.holes.count > 0) == (report.boundary_edges > 0), "open edges are rims of holes");
+  require(std::isfinite(report.holes.widest) && report.holes.narrowest <= report.holes.widest,
           "holes have a width");
   require(std::isfinite(report.volume), "the volume is finite");
   std::size_t open = 0;

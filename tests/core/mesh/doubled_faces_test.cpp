@@ -164,7 +164,7 @@ TEST(DoubledFaces, ASheetIsFeltFromBothSidesByAPointAndByABall) {
       EXPECT_EQ(report.both_sides, sheet.triangles.size());
       EXPECT_FALSE(report.closed());
       EXPECT_EQ(report.boundary_edges, 12u);
-      EXPECT_EQ(report.holes, 1u);
+      EXPECT_EQ(report.holes.count, 1u);
       for (const Vec3& place : {Vec3(0.01, 0.013, 0), Vec3(0, 0, 0), Vec3(-0.0166, 0.01, 0)}) {
         EXPECT_NEAR(felt_from_above(both, place, 0.001), 1.0 + radius * kStiffness, 0.01);
         EXPECT_NEAR(felt_from_below(both, place, 0.001), 1.0 + radius * kStiffness, 0.01);

@@ -39,9 +39,9 @@ TEST(EdgeSplits, ATopThatIsCutInTwoIsNoHole) {
                  "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n",
                  "slit.obj", 1e-3));
   EXPECT_TRUE(mesh.report().closed());
-  EXPECT_EQ(mesh.report().holes, 0u);
-  EXPECT_EQ(mesh.report().split, 2u);
-  EXPECT_EQ(mesh.report().added, 2u);
+  EXPECT_EQ(mesh.report().holes.count, 0u);
+  EXPECT_EQ(mesh.report().split.count, 2u);
+  EXPECT_EQ(mesh.report().split.added, 2u);
   EXPECT_NEAR(mesh.report().volume, 8e-6, 1e-20);
   EXPECT_THAT(warnings(mesh.report(), true), Contains(HasSubstr("were split there")));
   EXPECT_NO_THROW(solid_of(mesh));
@@ -67,7 +67,7 @@ TEST(EdgeSplits, AnyNumberOfCornersOnAnyNumberOfEdges) {
       const TriangleMesh mesh(placed);
       EXPECT_TRUE(mesh.report().closed()) << holes_text(mesh.report());
       EXPECT_NEAR(mesh.report().volume, 8 * half.prod(), (rounded ? 1e-5 : 1e-12) * half.prod());
-      EXPECT_LE(mesh.report().split_farthest, 1e-6 * mesh.report().size);
+      EXPECT_LE(mesh.report().split.farthest, 1e-6 * mesh.report().size);
       // A client makes a mesh of the result's triangles. Both meshes must be equal.
       const TriangleMesh again({mesh.vertices(), mesh.triangles()}, 0.0);
       EXPECT_EQ(again.triangles(), mesh.triangles());
@@ -115,7 +115,7 @@ TEST(EdgeSplits, HolesStayHoles) {
   TriangleSoup box = cut_box(Vec3(0.05, 0.04, 0.03), {3, 5, 2, 7, 4, 2});
   box.triangles.pop_back();
   const MeshReport open = TriangleMesh(box).report();
-  EXPECT_EQ(open.holes, 1u);
+  EXPECT_EQ(open.holes.count, 1u);
   EXPECT_GE(open.boundary_edges, 3u);
   EXPECT_THROW(solid_of(TriangleMesh(box)), std::invalid_argument);
   // The position of a lid is wrong by a tenth of a millimetre.
@@ -125,12 +125,12 @@ TEST(EdgeSplits, HolesStayHoles) {
   // A sheet must stay open and must not be split.
   const MeshReport sheet = TriangleMesh(test::sheet(0.1, 5)).report();
   EXPECT_EQ(sheet.boundary_edges, 20u);
-  EXPECT_EQ(sheet.split, 0u);
+  EXPECT_EQ(sheet.split.count, 0u);
   // Two sheets meet only in the middle of their rims. They must share no edge.
   TriangleSoup tee = test::sheet(0.1);
   tee.vertices.insert(tee.vertices.end(), {{0.1, 0.0, 0.0}, {0.3, 0.1, 0.0}, {0.3, -0.1, 0.0}});
   tee.triangles.push_back({4, 6, 5});
-  EXPECT_EQ(TriangleMesh(tee).report().split, 0u);
+  EXPECT_EQ(TriangleMesh(tee).report().split.count, 0u);
 }
 
 /// Coordinates with few decimals move a corner away from its edge. The message must name a weld

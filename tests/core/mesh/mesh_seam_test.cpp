@@ -93,7 +93,7 @@ TEST(MeshSeam, WhatTheSeamAndThePolesMissIsJoinedAndSaid) {
     const TriangleMesh mesh(parse_mesh(revolved_stl(64, 24, rounded), "ball.stl", 1.0));
     const MeshReport& report = mesh.report();
     EXPECT_TRUE(report.closed());
-    EXPECT_EQ(report.holes, 0u);
+    EXPECT_EQ(report.holes.count, 0u);
     // The seam has 23 points. Each pole has points with a radius of sin(pi) or of the rounding
     // error.
     EXPECT_GE(report.joined, 23u);
@@ -126,18 +126,18 @@ TEST(MeshSeam, HolesAreMeasured) {
   constexpr double kSlit = 1e-4;
   const TriangleMesh slit(
       parse_mesh(revolved_stl(64, 24, as_double, 2.0 * M_PI - kSlit / kRadius), "slit.stl", 1.0));
-  EXPECT_EQ(slit.report().holes, 1u);
-  EXPECT_NEAR(slit.report().widest_hole, 0.9 * kSlit, 0.1 * kSlit);
+  EXPECT_EQ(slit.report().holes.count, 1u);
+  EXPECT_NEAR(slit.report().holes.widest, 0.9 * kSlit, 0.1 * kSlit);
   // A box without its lid, and a box without one triangle.
   const Vec3 half(0.05, 0.04, 0.03);
   TriangleSoup box = test::box(half);
   box.triangles.resize(10);
   const MeshReport lid = TriangleMesh(box).report();
-  EXPECT_EQ(lid.holes, 1u);
-  EXPECT_NEAR(lid.widest_hole, 0.09, 0.0101);  // distance between the box's sides
+  EXPECT_EQ(lid.holes.count, 1u);
+  EXPECT_NEAR(lid.holes.widest, 0.09, 0.0101);  // distance between the box's sides
   box = test::box(half);
   box.triangles.pop_back();
-  EXPECT_EQ(TriangleMesh(box).report().holes, 1u);
+  EXPECT_EQ(TriangleMesh(box).report().holes.count, 1u);
   // The rings of a tube are separate.
   TriangleSoup tube;
   for (int i = 0; i < 64; ++i)
@@ -149,9 +149,9 @@ TEST(MeshSeam, HolesAreMeasured) {
     tube.triangles.push_back({a, b + 1, a + 1});
   }
   const MeshReport ends = TriangleMesh(tube).report();
-  EXPECT_EQ(ends.holes, 2u);
-  EXPECT_NEAR(ends.narrowest_hole, 0.04, 2e-3);
-  EXPECT_NEAR(ends.widest_hole, 0.04, 2e-3);
+  EXPECT_EQ(ends.holes.count, 2u);
+  EXPECT_NEAR(ends.holes.narrowest, 0.04, 2e-3);
+  EXPECT_NEAR(ends.holes.widest, 0.04, 2e-3);
   EXPECT_THAT(warnings(ends, true),
               ::testing::ElementsAre(::testing::HasSubstr("the surface has holes, 2 holes 0.0")));
 }
