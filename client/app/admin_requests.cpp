@@ -65,12 +65,12 @@ Json json_of(const SeenSession& seen) {
           {"delivered_j", s.delivered},
           {"burned_j", s.burned},
           {"balance_j", number(s.balance)},
-          {"laws_taken", name(s.takes.laws)},
-          {"link_taken", s.takes.link},
+          {"laws_taken", name(s.changes.takes.laws)},
+          {"link_taken", s.changes.takes.link},
           {"lead_share", s.lead_share},
           {"seat", s.seat.empty() ? Json(nullptr) : Json(visible(s.seat))},
-          {"asked", s.asked.empty() ? Json(nullptr) : Json(visible(s.asked))},
-          {"answer", s.asked.empty() ? Json(nullptr) : Json(name(s.answer))}};
+          {"asked", s.changes.asked.empty() ? Json(nullptr) : Json(visible(s.changes.asked))},
+          {"answer", s.changes.asked.empty() ? Json(nullptr) : Json(name(s.changes.answer))}};
 }
 
 /// Returns the rows as lines of text. Pads each column to the width of its widest cell.

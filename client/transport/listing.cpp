@@ -8,7 +8,7 @@ namespace {
 std::size_t bytes_of(const control::SessionDescription& session) {
   std::size_t bytes = sizeof session;
   for (const std::string* text :
-       {&session.client, &session.device, &session.tool, &session.asked, &session.seat})
+       {&session.client, &session.device, &session.tool, &session.changes.asked, &session.seat})
     bytes += text->capacity();
   return bytes;
 }

@@ -93,9 +93,7 @@ std::vector<HandDescription> hands_of(const ObservedScene& seen, const Scene& sc
     described.client = session->client;
     described.device = session->device;
     described.parameters = possible(session->parameters);
-    described.takes = session->takes;
-    described.asked = session->asked;
-    described.answer = session->answer;
+    described.changes = session->changes;
     described.times = session->times;
     if (!scene.seats().empty() && covers(session->role, Role::operator_))
       described.lead_share = session->lead_share;

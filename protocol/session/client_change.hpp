@@ -92,6 +92,13 @@ inline constexpr std::array<std::string_view, 3> kChangeAnswerNames = {"waiting"
                                                                        "refused"};
 std::string_view name(ChangeAnswer answer);
 
+/// The changes at a client, for people who watch or change its session.
+struct ClientChangeState {
+  ChangesTaken takes{};  // changes that an admin may make at the client
+  std::string asked{};  // the newest change requested of it: the old and the new value; empty: none
+  ChangeAnswer answer = ChangeAnswer::waiting;  // the client's answer to that
+};
+
 /// The reason why a client that was started with these parameters does not take the law; empty if
 /// it does. A law can take over if it and the previous one admit reductions, because the safety
 /// stage and the account come after both.

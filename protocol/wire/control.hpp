@@ -191,11 +191,9 @@ struct SessionDescription {
   double delivered = 0.0;            // [J] to the hand so far
   double burned = 0.0;               // [J] lower bound of the device's burned energy so far
   std::optional<double> balance;     // [J] of its client's account
-  ChangesTaken takes;
-  std::string asked;  // for people: the newest change requested of its client; empty: none
-  ChangeAnswer answer = ChangeAnswer::waiting;  // the client's answer to that
-  double lead_share = 0.0;                      // with which it leads a robot (lead_share.hpp)
-  std::string seat = {};  // a follower's, or of the robot that it leads; empty: none, or the only
+  ClientChangeState changes;
+  double lead_share = 0.0;  // with which it leads a robot (lead_share.hpp)
+  std::string seat = {};    // a follower's, or of the robot that it leads; empty: none, or the only
   std::optional<double> seconds;       // [s] since it began
   std::optional<double> hand_damping;  // [N s/m] of the hand, that its client's shaping counts on
   HandTimesHeard times;                // how punctual its client is

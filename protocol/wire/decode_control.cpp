@@ -211,7 +211,7 @@ bool read(const wire::SessionDescriptions& from, SessionDescriptions& to) {
     session.delivered = entry->delivered();
     session.burned = entry->burned();
     session.balance = given(entry->balance());
-    session.takes.link = entry->link_taken();
+    session.changes.takes.link = entry->link_taken();
     session.lead_share = entry->lead_share();
     session.seconds = given(entry->seconds());
     session.hand_damping = given(entry->hand_damping());
@@ -220,9 +220,9 @@ bool read(const wire::SessionDescriptions& from, SessionDescriptions& to) {
         !read_name(entry->device(), session.device) || !read_name(entry->tool(), session.tool) ||
         !read_name(entry->seat(), session.seat) || !read_enum(entry->role(), session.role) ||
         !control::read(*entry->parameters(), session.parameters) ||
-        !read_enum(entry->laws_taken(), session.takes.laws) ||
-        !read_name(entry->asked(), session.asked, kMaxReason) ||
-        !read_enum(entry->answer(), session.answer))
+        !read_enum(entry->laws_taken(), session.changes.takes.laws) ||
+        !read_name(entry->asked(), session.changes.asked, kMaxReason) ||
+        !read_enum(entry->answer(), session.changes.answer))
       return false;
     to.sessions.push_back(std::move(session));
   }

@@ -211,16 +211,16 @@ struct BodyBuilder {
   }
   Offset<wire::SessionDescription> entry(const SessionDescription& d) {
     const auto client = builder.CreateString(d.client), device = builder.CreateString(d.device);
-    const auto tool = name_if_any(builder, d.tool), asked = name_if_any(builder, d.asked);
+    const auto tool = name_if_any(builder, d.tool), asked = name_if_any(builder, d.changes.asked);
     const auto seat = name_if_any(builder, d.seat);
     const auto parameters = build(builder, d.parameters);
     const wire::TimesSoFar times = wire_times(d.times);
     return wire::CreateSessionDescription(
         builder, d.number, d.session, client, device, tool, wire_enum<wire::Role>(d.role),
         parameters, d.samples, d.missed, d.round_trip.value_or(kNotGiven), d.delivered, d.burned,
-        d.balance.value_or(kNotGiven), wire_enum<wire::LawsTaken>(d.takes.laws), d.takes.link,
-        asked, wire_enum<wire::ChangeAnswer>(d.answer), d.lead_share, seat,
-        d.seconds.value_or(kNotGiven), d.hand_damping.value_or(kNotGiven),
+        d.balance.value_or(kNotGiven), wire_enum<wire::LawsTaken>(d.changes.takes.laws),
+        d.changes.takes.link, asked, wire_enum<wire::ChangeAnswer>(d.changes.answer), d.lead_share,
+        seat, d.seconds.value_or(kNotGiven), d.hand_damping.value_or(kNotGiven),
         d.times.heard() ? &times : nullptr);
   }
   Offset<wire::SessionDescriptions> operator()(const SessionDescriptions& m) {

@@ -78,12 +78,10 @@ struct HandDescription {
   std::uint64_t session = 0;
   std::string client, device, tool;             // empty: not known
   std::optional<SessionParameters> parameters;  // nothing: not known
-  ChangesTaken takes = {};                      // changes that an admin may make at its client
-  std::string asked = {};  // for people: the newest change requested of its client
-  ChangeAnswer answer = ChangeAnswer::waiting;  // the client's answer to it
-  HandTimesHeard times = {};                    // of the client; not heard: not known
-  std::optional<double> lead_share = {};        // of its robot; nothing: it can lead none
-  std::optional<Nanoseconds> joined = {};       // of the pictures' clock; nothing: not known
+  ClientChangeState changes = {};
+  HandTimesHeard times = {};               // of the client; not heard: not known
+  std::optional<double> lead_share = {};   // of its robot; nothing: it can lead none
+  std::optional<Nanoseconds> joined = {};  // of the pictures' clock; nothing: not known
 };
 
 /// Brings pictures from the scene's thread to one other thread, the viewer's. Neither waits for the

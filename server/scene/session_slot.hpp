@@ -107,6 +107,10 @@ struct SessionSlot {
   bool leads = false;     // its samples have a lead
   ObserverProgress observer;
 
+  ClientChangeState changes() const {
+    if (!asked) return {.takes = takes};
+    return {.takes = takes, .asked = asked->what, .answer = asked->answer};
+  }
   bool waits_for_client() const { return asked && asked->answer == ChangeAnswer::waiting; }
 };
 

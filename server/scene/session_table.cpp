@@ -244,13 +244,12 @@ std::vector<HandDescription> SessionTable::describe() const {
   std::vector<HandDescription> hands;
   for (const auto& slot : slots_)
     if (const Session& session = slot->session; !session.observes())
-      hands.push_back(
-          {slot->number, slot->id, session.client(), session.device().name, slot->tool,
-           session.parameters(), slot->takes, slot->asked ? slot->asked->what : std::string(),
-           slot->asked ? slot->asked->answer : ChangeAnswer::waiting, session.times(),
-           !seats_.empty() && covers(slot->role, Role::operator_) ? std::optional(slot->lead_share)
-                                                                  : std::nullopt,
-           slot->joined});
+      hands.push_back({slot->number, slot->id, session.client(), session.device().name, slot->tool,
+                       session.parameters(), slot->changes(), session.times(),
+                       !seats_.empty() && covers(slot->role, Role::operator_)
+                           ? std::optional(slot->lead_share)
+                           : std::nullopt,
+                       slot->joined});
   return hands;
 }
 
@@ -284,13 +283,9 @@ control::SessionDescriptions SessionTable::describe_after(std::uint32_t number,
     }
     entry.seconds = std::max(seconds(now - slot->joined), 0.0);
     entry.times = session.times();
-    entry.takes = slot->takes;
+    entry.changes = slot->changes();
     entry.lead_share = slot->lead_share;
     if (slot->leads || slot->role == Role::follower) entry.seat = seats_.name(slot->seat);
-    if (slot->asked) {
-      entry.asked = slot->asked->what;
-      entry.answer = slot->asked->answer;
-    }
     list.sessions.push_back(std::move(entry));
   }
   return list;

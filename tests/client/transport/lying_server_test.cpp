@@ -311,7 +311,7 @@ TEST_F(FetchAttack, NoLieTakesMuchMoreMemoryThanAnHonestSurface) {
 control::SessionDescription session(std::uint32_t number) {
   control::SessionDescription described;
   described.number = number;
-  described.asked.assign(4000, 'x');
+  described.changes.asked.assign(4000, 'x');
   return described;
 }
 
@@ -347,7 +347,7 @@ TEST(LyingLists, SessionsWithoutEndTakeLittleMemory) {
       const std::uint32_t many = text > 1000 ? 14 : control::kMaxDescriptions;
       for (std::uint32_t i = 1; i <= many; ++i) {
         list.sessions.push_back(session(after + i));
-        list.sessions.back().asked.resize(text);
+        list.sessions.back().changes.asked.resize(text);
       }
       return list;
     });

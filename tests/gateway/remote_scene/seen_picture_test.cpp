@@ -102,8 +102,8 @@ TEST(SeenPicture, HasWhatTheServerTellsOfASession) {
   told.client = "alice";
   told.device = "falcon";
   told.parameters.mode = "per_axis";
-  told.asked = "mode a -> b";
-  told.answer = ChangeAnswer::refused;
+  told.changes.asked = "mode a -> b";
+  told.changes.answer = ChangeAnswer::refused;
   told.lead_share = 2.0;
   told.seconds = 1.5;
   told.hand_damping = 0.25;
@@ -119,8 +119,8 @@ TEST(SeenPicture, HasWhatTheServerTellsOfASession) {
   EXPECT_EQ(hands[0].client, "alice");
   EXPECT_EQ(hands[0].device, "falcon");
   EXPECT_EQ(hands[0].parameters->mode, "per_axis");
-  EXPECT_EQ(hands[0].asked, "mode a -> b");
-  EXPECT_EQ(hands[0].answer, ChangeAnswer::refused);
+  EXPECT_EQ(hands[0].changes.asked, "mode a -> b");
+  EXPECT_EQ(hands[0].changes.answer, ChangeAnswer::refused);
   EXPECT_EQ(hands[0].lead_share, std::nullopt);  // The scene has no robot.
   EXPECT_EQ(hands[0].joined, std::chrono::milliseconds(8500));
   EXPECT_EQ(hands[0].times.wakeups()[7], 8u);

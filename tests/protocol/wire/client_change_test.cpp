@@ -153,15 +153,15 @@ TEST(ClientChange, ControlMessagesCarryIt) {
   EXPECT_EQ(std::get<control::JoinRequest>(*joined).takes, join.takes);
   control::SessionDescriptions list;
   list.sessions.emplace_back();
-  list.sessions[0].takes = join.takes;
-  list.sessions[0].asked = "link delay 1 ms";
-  list.sessions[0].answer = ChangeAnswer::refused;
+  list.sessions[0].changes.takes = join.takes;
+  list.sessions[0].changes.asked = "link delay 1 ms";
+  list.sessions[0].changes.answer = ChangeAnswer::refused;
   const auto listed = again(list);
   ASSERT_TRUE(listed);
   const auto& entry = std::get<control::SessionDescriptions>(*listed).sessions[0];
-  EXPECT_EQ(entry.takes, join.takes);
-  EXPECT_EQ(entry.asked, "link delay 1 ms");
-  EXPECT_EQ(entry.answer, ChangeAnswer::refused);
+  EXPECT_EQ(entry.changes.takes, join.takes);
+  EXPECT_EQ(entry.changes.asked, "link delay 1 ms");
+  EXPECT_EQ(entry.changes.answer, ChangeAnswer::refused);
 }
 
 SessionParameters started(std::string_view mode, BoundingSide side = BoundingSide::client) {

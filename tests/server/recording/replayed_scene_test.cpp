@@ -216,8 +216,8 @@ TEST(ReplayOfClientChanges, IsBitEqual) {
   EXPECT_FALSE(asked());
   EXPECT_EQ(sessions.find(kA)->parameters().mode, "shaped");
   const auto listed = sessions.describe_after(0, scene.exchange.now).sessions.at(0);
-  EXPECT_EQ(listed.answer, ChangeAnswer::refused);
-  EXPECT_THAT(listed.asked, HasSubstr("mode shaped -> contact_frame"));
+  EXPECT_EQ(listed.changes.answer, ChangeAnswer::refused);
+  EXPECT_THAT(listed.changes.asked, HasSubstr("mode shaped -> contact_frame"));
   // The answer about a bounding method is lost. Then a change is refused. The client may have
   // either method. The server must therefore request a return to the session's method.
   EXPECT_EQ(sessions.answers().size(), 1u);
