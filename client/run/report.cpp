@@ -140,10 +140,10 @@ Json server(const Servo& servo) {
   const Reply& reply = servo.newest_reply();
   return {{"sample_index", reply.sample_index},
           {"energy_delivered_j", energy(reply.delivered)},
-          {"ratio", number(reply.ratio)},
-          {"bound_active", reply.active},
-          {"saturated", reply.saturated},
-          {"refused", reply.refused},
+          {"ratio", number(reply.bound.ratio)},
+          {"bound_active", reply.bound.active},
+          {"saturated", reply.bound.saturated},
+          {"refused", reply.bound.refused},
           {"gap", reply.gap},
           {"recovering", reply.recovering}};
 }

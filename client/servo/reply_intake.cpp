@@ -64,8 +64,8 @@ ReplyIntake::Taken ReplyIntake::take(const Reply& reply, Nanoseconds arrival, co
   sampled_ = remembered ? sent.time : arrival;
   // The server's force bound may have changed the command. Such a command does not show the depth
   // of the hand: at the first sample the bound gives no force, even inside an object.
-  original_ =
-      reply.sample_index > anew_after_ && !reply.active && !reply.saturated && !reply.refused;
+  original_ = reply.sample_index > anew_after_ && !reply.bound.active && !reply.bound.saturated &&
+              !reply.bound.refused;
   return taken;
 }
 
@@ -85,7 +85,7 @@ void ReplyIntake::count_answer(const Reply& reply, Nanoseconds arrival,
   if (round_trip > kLate) ++counts.late;
   counts.round_trip.record(round_trip.count());
   count(round_trips_, hand_time_limits::kRoundTrips, round_trip);
-  server_clock_.take({sent.time, reply.server_receive_time, reply.server_send_time, arrival});
+  server_clock_.take({sent.time, reply.server_times.received, reply.server_times.sent, arrival});
 }
 
 void ReplyIntake::begin_anew(std::uint64_t sample) noexcept {

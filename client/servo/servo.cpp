@@ -110,21 +110,21 @@ double Servo::time_since_last_tick(Nanoseconds now) noexcept {
 
 void Servo::begin_trail(const DeviceReading& reading, const DeviceMovement& movement) noexcept {
   const Reply& reply = replies_.newest();
-  explanation_.trail() = {
-      .observer = options_.observes,
-      .released = released_,
-      .letting_go = fade_.ending(),
-      .law_change = law_.changes(),
-      .overdrawn = overdraft().has_value(),
-      .device = {.ended = input_.ended(),
-                 .usable = movement.read,
-                 .jumped = movement.jumped,
-                 .clutched = reading.ok && reading.clutched,
-                 .withheld = reading.ok ? reading.withheld : Withheld::nothing},
-      .reply = {.answered = has_reply(),
-                .silent = !(command_age_ < parameters().hold_time),
-                .recovering = reply.recovering,
-                .server_bound = reply.active || reply.saturated || reply.refused}};
+  explanation_.trail() = {.observer = options_.observes,
+                          .released = released_,
+                          .letting_go = fade_.ending(),
+                          .law_change = law_.changes(),
+                          .overdrawn = overdraft().has_value(),
+                          .device = {.ended = input_.ended(),
+                                     .usable = movement.read,
+                                     .jumped = movement.jumped,
+                                     .clutched = reading.ok && reading.clutched,
+                                     .withheld = reading.ok ? reading.withheld : Withheld::nothing},
+                          .reply = {.answered = has_reply(),
+                                    .silent = !(command_age_ < parameters().hold_time),
+                                    .recovering = reply.recovering,
+                                    .server_bound = reply.bound.active || reply.bound.saturated ||
+                                                    reply.bound.refused}};
 }
 
 /// Sets step.command to the scene's command, reduced by the fade. Returns the scene's command and

@@ -85,7 +85,7 @@ Reply SimulatorPort::answer(SimulatorContact contact) noexcept {
   Reply reply;
   reply.sample_index = newest_.index;
   reply.client_time = newest_.client_time;
-  reply.server_receive_time = reply.server_send_time = middle;
+  reply.server_times.received = reply.server_times.sent = middle;
   reply.rotation = batch_.rotation;
   reply.withheld = pose_count_ - answers_;
   reply.command = contact.command;

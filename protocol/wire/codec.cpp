@@ -133,13 +133,13 @@ Bytes Encoder::reply(const Reply& reply, const SceneView* view, bool shortened) 
   const wire::Vec3d frictional = wire_double(reply.command.frictional);
   const wire::Vec3d torque = wire_double(reply.command.torque);
   const std::uint32_t flags =
-      (reply.active ? kFlagActive : 0) | (reply.saturated ? kFlagSaturated : 0) |
-      (reply.refused ? kFlagRefused : 0) | (reply.gap ? kFlagGap : 0) |
+      (reply.bound.active ? kFlagActive : 0) | (reply.bound.saturated ? kFlagSaturated : 0) |
+      (reply.bound.refused ? kFlagRefused : 0) | (reply.gap ? kFlagGap : 0) |
       (reply.recovering ? kFlagRecovering : 0) | (shortened ? kFlagShortened : 0) |
       (std::uint32_t{reply.reloads} << kReloadsShift);
   const wire::BoundingReport report(reply.delivered.elastic, reply.delivered.frictional,
-                                    reply.delivered.torque, static_cast<float>(reply.ratio), flags,
-                                    0);
+                                    reply.delivered.torque, static_cast<float>(reply.bound.ratio),
+                                    flags, 0);
   const wire::Rates rates(wire_float(reply.rates.elastic), wire_float(reply.rates.frictional),
                           wire_float(reply.rates.torque));
   auto& builder = builder_->begin();
@@ -157,8 +157,8 @@ Bytes Encoder::reply(const Reply& reply, const SceneView* view, bool shortened) 
   const bool turns = reply.remote && reply.remote->turn;
   const wire::Vec3f turn = turns ? wire_float(*reply.remote->turn) : wire::Vec3f();
   return builder_->finish(wire::CreateReply(
-      builder, reply.sample_index, reply.client_time.count(), reply.server_receive_time.count(),
-      reply.server_send_time.count(), &elastic, &frictional, reply.rotation ? &torque : nullptr,
+      builder, reply.sample_index, reply.client_time.count(), reply.server_times.received.count(),
+      reply.server_times.sent.count(), &elastic, &frictional, reply.rotation ? &torque : nullptr,
       &report, reply.withheld, reply.predicted ? &rates : nullptr, model, seen, normals,
       reply.remote ? &remote : nullptr, change, walls, body, turns ? &turn : nullptr, others));
 }
@@ -254,18 +254,18 @@ DropReason decode(Bytes payload, Reply& out, SceneView* view) noexcept {
   const wire::BoundingReport& report = *root->report();
   out.sample_index = root->sample_index();
   out.client_time = Nanoseconds(root->client_time());
-  out.server_receive_time = Nanoseconds(root->server_receive_time());
-  out.server_send_time = Nanoseconds(root->server_send_time());
+  out.server_times.received = Nanoseconds(root->server_receive_time());
+  out.server_times.sent = Nanoseconds(root->server_send_time());
   out.command.elastic = value(*root->elastic());
   out.command.frictional = value(*root->frictional());
   out.rotation = root->torque() != nullptr;
   out.command.torque = out.rotation ? value(*root->torque()) : Vec3::Zero();
   out.delivered = {report.delivered_elastic(), report.delivered_frictional(),
                    report.delivered_torque()};
-  out.ratio = report.ratio();
-  out.active = (report.flags() & kFlagActive) != 0;
-  out.saturated = (report.flags() & kFlagSaturated) != 0;
-  out.refused = (report.flags() & kFlagRefused) != 0;
+  out.bound.ratio = report.ratio();
+  out.bound.active = (report.flags() & kFlagActive) != 0;
+  out.bound.saturated = (report.flags() & kFlagSaturated) != 0;
+  out.bound.refused = (report.flags() & kFlagRefused) != 0;
   out.gap = (report.flags() & kFlagGap) != 0;
   out.recovering = (report.flags() & kFlagRecovering) != 0;
   out.reloads = static_cast<std::uint8_t>(report.flags() >> kReloadsShift);
@@ -301,11 +301,11 @@ DropReason decode(Bytes payload, Reply& out, SceneView* view) noexcept {
 
   if (out.sample_index == 0) return DropReason::order;
   if (seen != DropReason::none) return seen;
-  if (!out.command.finite() || !std::isfinite(out.ratio) || !std::isfinite(out.delivered.elastic) ||
-      !std::isfinite(out.delivered.frictional) || !std::isfinite(out.delivered.torque) ||
-      !out.rates.finite() || (out.modelled && !plausible(out.model)) ||
-      (out.body_modelled && !plausible(out.body)) || !plausible(out.normals) || !remote_read ||
-      changed != DropReason::none)
+  if (!out.command.finite() || !std::isfinite(out.bound.ratio) ||
+      !std::isfinite(out.delivered.elastic) || !std::isfinite(out.delivered.frictional) ||
+      !std::isfinite(out.delivered.torque) || !out.rates.finite() ||
+      (out.modelled && !plausible(out.model)) || (out.body_modelled && !plausible(out.body)) ||
+      !plausible(out.normals) || !remote_read || changed != DropReason::none)
     return DropReason::not_finite;
   out.normals = usable(out.normals);
   return DropReason::none;

@@ -69,15 +69,26 @@ struct SampleBatch {
   std::span<const Sample> view() const { return {samples.data(), static_cast<std::size_t>(count)}; }
 };
 
+/// When a reply was made, by the server's monotonic clock.
+struct ServerTimes {
+  Nanoseconds received{0}, sent{0};
+};
+
+/// What the server's bound did to the command of a reply.
+struct ServerBound {
+  double ratio = 1.0;  // |rendered| / |commanded|, float32 on the wire
+  bool active = false, saturated = false, refused = false;
+};
+
 struct Reply {
   std::uint64_t sample_index = 0;  // the newest sample that the command was computed from
   Nanoseconds client_time{0};      // that sample's, returned
-  Nanoseconds server_receive_time{0}, server_send_time{0};  // server's monotonic clock
+  ServerTimes server_times;
   Command command;
   bool rotation = false;    // torque travels too
   ChannelEnergy delivered;  // [J] at the real port so far, from the held forces the client reported
-  double ratio = 1.0;       // |rendered| / |commanded|, float32 on the wire
-  bool active = false, saturated = false, refused = false, gap = false;
+  ServerBound bound;
+  bool gap = false;         // among the samples that this answers
   bool recovering = false;  // moving objects were put back to a good state and are felt in part
   /// The number of reloads of the scene during this session, modulo 256.
   std::uint8_t reloads = 0;

@@ -48,8 +48,8 @@ bool ReplyDeadband::withhold(Reply& reply) noexcept {
   rates_ = reply.rates;
   model_.reach = 0.0;
   if (reply.modelled) model_ = reply.model;
-  refused_ = reply.refused;
-  saturated_ = reply.saturated;
+  refused_ = reply.bound.refused;
+  saturated_ = reply.bound.saturated;
   recovering_ = reply.recovering;
   since_ = 0.0;
   return false;
@@ -61,7 +61,8 @@ bool ReplyDeadband::differs(const Reply& reply) const noexcept {
   // keep_alive. Half a tick is a tolerance for the jitter of the servo.
   const double next = (p.packet_interval - 0.5) * p.servo_period;
   if (!(since_ + next < p.keep_alive)) return true;
-  if (reply.gap || reply.refused != refused_ || reply.saturated != saturated_) return true;
+  if (reply.gap || reply.bound.refused != refused_ || reply.bound.saturated != saturated_)
+    return true;
   if (reply.recovering || recovering_) return true;
   if (acts(reply.command) != acts(command_)) return true;
   // Friction changes a contact of the tool's body over time, and describes() cannot compare body

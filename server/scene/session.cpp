@@ -92,13 +92,13 @@ BatchResult Session::take(const SampleBatch& batch, Nanoseconds now) noexcept {
   }
   if (batch.report) hear(*batch.report);
   Reply& reply = taken.reply;
-  newest_.outcome.bounded = reply.active;
-  newest_.outcome.saturated = reply.saturated;
-  newest_.outcome.refused = reply.refused;
+  newest_.outcome.bounded = reply.bound.active;
+  newest_.outcome.saturated = reply.bound.saturated;
+  newest_.outcome.refused = reply.bound.refused;
   newest_.outcome.gap = reply.gap;
   reply.sample_index = newest_.sample.index;
   reply.client_time = newest_.sample.client_time;
-  reply.server_receive_time = reply.server_send_time = now;
+  reply.server_times.received = reply.server_times.sent = now;
   reply.rotation = device_.rotation_actuated > 0;
   const bool modelled = parameters_.local_model && !observes_,
              has_body = place_.view->tool().body != nullptr && touches();
@@ -186,18 +186,18 @@ void Session::step(const Sample& sample, bool rotation, Reply& reply) noexcept {
   const Command command = actuated(device_, touch(pose, tool, hold_time));
   newest_.outcome.asked = command;
   reply.command = command;
-  reply.active = reply.saturated = reply.refused = false;
-  reply.ratio = 1.0;
+  reply.bound.active = reply.bound.saturated = reply.bound.refused = false;
+  reply.bound.ratio = 1.0;
   if (parameters_.side != BoundingSide::client) {
     const Bounded bounded = bound_.bounding.step({.displacement = credited.displacement,
                                                   .rotation = credited.rotation,
                                                   .hold_time = hold_time,
                                                   .command = command});
     reply.command = bounded.rendered;
-    reply.active = bounded.active;
-    reply.saturated = bounded.saturated;
-    reply.refused = bounded.refused;
-    reply.ratio = force_ratio(bounded.rendered, command);
+    reply.bound.active = bounded.active;
+    reply.bound.saturated = bounded.saturated;
+    reply.bound.refused = bounded.refused;
+    reply.bound.ratio = force_ratio(bounded.rendered, command);
   }
   deadband_.add(reply.command, hold_time);
   newest_.sample = sample;

@@ -154,10 +154,10 @@ void EventTables::add_reply(const SceneEvent& event, std::uint64_t log_time, Byt
                                 reply_.delivered.elastic,
                                 reply_.delivered.frictional,
                                 reply_.delivered.torque,
-                                reply_.ratio,
-                                static_cast<double>(reply_.active),
-                                static_cast<double>(reply_.saturated),
-                                static_cast<double>(reply_.refused),
+                                reply_.bound.ratio,
+                                static_cast<double>(reply_.bound.active),
+                                static_cast<double>(reply_.bound.saturated),
+                                static_cast<double>(reply_.bound.refused),
                                 static_cast<double>(reply_.gap),
                                 static_cast<double>(reply_.recovering)});
 }

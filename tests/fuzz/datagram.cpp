@@ -64,7 +64,7 @@ void try_samples(Bytes payload) {
 void require_promises(const Reply& reply) {
   require(reply.sample_index > 0 && reply.command.finite() && reply.rates.finite(),
           "commands are finite and answer a sample");
-  require(std::isfinite(reply.ratio) && std::isfinite(reply.delivered.elastic) &&
+  require(std::isfinite(reply.bound.ratio) && std::isfinite(reply.delivered.elastic) &&
               std::isfinite(reply.delivered.frictional) && std::isfinite(reply.delivered.torque),
           "reports are finite");
   if (reply.change)

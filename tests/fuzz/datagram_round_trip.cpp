@@ -104,7 +104,7 @@ DropReason expected(const Reply& r) {
   if (r.change && expected(*r.change) == DropReason::count) return DropReason::count;
   if (r.sample_index == 0) return DropReason::order;
   if (r.change && expected(*r.change) != DropReason::none) return DropReason::not_finite;
-  const bool finite = r.command.finite() && r.rates.finite() && std::isfinite(r.ratio) &&
+  const bool finite = r.command.finite() && r.rates.finite() && std::isfinite(r.bound.ratio) &&
                       std::isfinite(r.delivered.elastic) && std::isfinite(r.delivered.frictional) &&
                       std::isfinite(r.delivered.torque);
   if (!finite) return DropReason::not_finite;

@@ -49,16 +49,16 @@ inline bool same(const std::optional<ClientChange>& a, const std::optional<Clien
 /// Compares all but the model.
 inline bool same_but_model(const Reply& a, const Reply& b) {
   return a.sample_index == b.sample_index && a.client_time == b.client_time &&
-         a.server_receive_time == b.server_receive_time &&
-         a.server_send_time == b.server_send_time && same(a.command, b.command) &&
+         a.server_times.received == b.server_times.received &&
+         a.server_times.sent == b.server_times.sent && same(a.command, b.command) &&
          a.rotation == b.rotation && same(a.delivered.elastic, b.delivered.elastic) &&
          same(a.delivered.frictional, b.delivered.frictional) &&
-         same(a.delivered.torque, b.delivered.torque) && same(a.ratio, b.ratio) &&
-         a.active == b.active && a.saturated == b.saturated && a.refused == b.refused &&
-         a.gap == b.gap && a.reloads == b.reloads && a.withheld == b.withheld &&
-         a.predicted == b.predicted && same(a.rates, b.rates) && a.modelled == b.modelled &&
-         a.normals.count == b.normals.count && a.normals.unit == b.normals.unit &&
-         same(a.remote, b.remote) && same(a.change, b.change);
+         same(a.delivered.torque, b.delivered.torque) && same(a.bound.ratio, b.bound.ratio) &&
+         a.bound.active == b.bound.active && a.bound.saturated == b.bound.saturated &&
+         a.bound.refused == b.bound.refused && a.gap == b.gap && a.reloads == b.reloads &&
+         a.withheld == b.withheld && a.predicted == b.predicted && same(a.rates, b.rates) &&
+         a.modelled == b.modelled && a.normals.count == b.normals.count &&
+         a.normals.unit == b.normals.unit && same(a.remote, b.remote) && same(a.change, b.change);
 }
 
 inline bool same(const Pose& a, const Pose& b) {

@@ -96,7 +96,7 @@ TEST(ReplyIntake, OnlyTheScenesOwnCommandOfThisContactIsOriginal) {
   EXPECT_TRUE(all.intake.original());
   all.sample();
   Reply bounded = Intake::reply(2, 1.0);
-  bounded.active = true;
+  bounded.bound.active = true;
   all.take(bounded);
   EXPECT_FALSE(all.intake.original());
   all.sample();

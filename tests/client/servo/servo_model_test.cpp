@@ -122,7 +122,7 @@ TEST(ServoModel, EndsTheWaitForSmallForce) {
   Bench bench(modelled(), options);
   bench.tick(at(0, 0, -2e-3));
   Reply r = floor_reply(1, -2e-3);
-  r.active = true;
+  r.bound.active = true;
   bench.servo.take(r, bench.now);
   // The hand began inside and must wait.
   EXPECT_EQ(bench.tick(at(0, 0, -2e-3)).force(), Vec3::Zero());
@@ -137,7 +137,7 @@ TEST(ServoModel, MovesSurfacesByTheAgeOfTheirState) {
   Reply r = floor_reply(1, 0.0);
   r.model.patches[0].velocity = {0, 0, 0.1};
   // The round trip is 8 ms. The server's state is therefore 4 ms old when the reply arrives.
-  r.server_receive_time = r.server_send_time = seconds(50.0);
+  r.server_times.received = r.server_times.sent = seconds(50.0);
   for (int i = 0; i < 8; ++i) bench.tick();
   bench.servo.take(r, bench.now);
   const double age = 4e-3 + 1e-3;

@@ -113,9 +113,9 @@ TEST(ServoSafety, OnlyTheScenesOwnSmallForceEndsTheWait) {
     return r;
   };
   const Reply not_it[] = {
-      spoilt([](Reply& r) { r.active = true; }),     // The server's bound reduced the force.
-      spoilt([](Reply& r) { r.saturated = true; }),  // A limit reduced the force.
-      spoilt([](Reply& r) { r.refused = true; }),
+      spoilt([](Reply& r) { r.bound.active = true; }),     // The server's bound reduced the force.
+      spoilt([](Reply& r) { r.bound.saturated = true; }),  // A limit reduced the force.
+      spoilt([](Reply& r) { r.bound.refused = true; }),
       spoilt([](Reply& r) { r.command.elastic.x() = kNan; }),
   };
   for (const Reply& nothing : not_it) {

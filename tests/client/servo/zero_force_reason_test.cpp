@@ -147,7 +147,7 @@ TEST(ZeroForceReason, AnObserverIsGivenNone) {
 TEST(ZeroForceReason, WhatTheServerSays) {
   Reply back = reply(2, {}), bounded = reply(2, {});
   back.recovering = true;
-  bounded.active = true;
+  bounded.bound.active = true;
   for (const auto& [said, why] : {std::pair{back, ZeroForceReason::recovering},
                                   std::pair{bounded, ZeroForceReason::server_bound}}) {
     BenchAfterCommand told(kTwo);

@@ -34,18 +34,18 @@ Reply random_reply(Generator& random) {
   Reply reply;
   reply.sample_index = 1 + random() / 2;
   reply.client_time = Nanoseconds(static_cast<std::int64_t>(random()));
-  reply.server_receive_time = Nanoseconds(static_cast<std::int64_t>(random()));
-  reply.server_send_time = Nanoseconds(static_cast<std::int64_t>(random()));
+  reply.server_times.received = Nanoseconds(static_cast<std::int64_t>(random()));
+  reply.server_times.sent = Nanoseconds(static_cast<std::int64_t>(random()));
   reply.command = {test::vector(random, 20), test::vector(random, 5), Vec3::Zero()};
   reply.rotation = random() % 2 == 0;
   if (reply.rotation) reply.command.torque = test::vector(random, 1);
   reply.delivered = {test::uniform(random, -1, 1), test::uniform(random, -1, 1),
                      test::uniform(random, -1, 1)};
-  reply.ratio = static_cast<float>(test::uniform(random, 0, 1));
+  reply.bound.ratio = static_cast<float>(test::uniform(random, 0, 1));
   const auto flags = random();
-  reply.active = flags & 1;
-  reply.saturated = flags & 2;
-  reply.refused = flags & 4;
+  reply.bound.active = flags & 1;
+  reply.bound.saturated = flags & 2;
+  reply.bound.refused = flags & 4;
   reply.gap = flags & 8;
   reply.recovering = flags & 16;
   reply.reloads = static_cast<std::uint8_t>(random());
@@ -95,8 +95,8 @@ TEST(Codec, ReplyRoundTrip) {
     ASSERT_EQ(decode(payload, received), DropReason::none);
     EXPECT_EQ(received.sample_index, sent.sample_index);
     EXPECT_EQ(received.client_time, sent.client_time);
-    EXPECT_EQ(received.server_receive_time, sent.server_receive_time);
-    EXPECT_EQ(received.server_send_time, sent.server_send_time);
+    EXPECT_EQ(received.server_times.received, sent.server_times.received);
+    EXPECT_EQ(received.server_times.sent, sent.server_times.sent);
     EXPECT_EQ(received.command.elastic, sent.command.elastic);
     EXPECT_EQ(received.command.frictional, sent.command.frictional);
     EXPECT_EQ(received.command.torque, sent.command.torque);
@@ -104,10 +104,10 @@ TEST(Codec, ReplyRoundTrip) {
     EXPECT_EQ(received.delivered.elastic, sent.delivered.elastic);
     EXPECT_EQ(received.delivered.frictional, sent.delivered.frictional);
     EXPECT_EQ(received.delivered.torque, sent.delivered.torque);
-    EXPECT_EQ(received.ratio, sent.ratio);
-    EXPECT_EQ(received.active, sent.active);
-    EXPECT_EQ(received.saturated, sent.saturated);
-    EXPECT_EQ(received.refused, sent.refused);
+    EXPECT_EQ(received.bound.ratio, sent.bound.ratio);
+    EXPECT_EQ(received.bound.active, sent.bound.active);
+    EXPECT_EQ(received.bound.saturated, sent.bound.saturated);
+    EXPECT_EQ(received.bound.refused, sent.bound.refused);
     EXPECT_EQ(received.gap, sent.gap);
     EXPECT_EQ(received.recovering, sent.recovering);
     EXPECT_EQ(received.reloads, sent.reloads);
@@ -238,8 +238,8 @@ TEST(CodecDrops, ReplyThatIsNone) {
   EXPECT_EQ(decode(encoder.reply(reply), out), DropReason::order);  // index 0
   reply.sample_index = 1;
   EXPECT_EQ(decode(encoder.reply(reply), out), DropReason::none);
-  for (double* number : {&reply.command.elastic.x(), &reply.command.frictional.y(), &reply.ratio,
-                         &reply.delivered.torque, &reply.delivered.elastic}) {
+  for (double* number : {&reply.command.elastic.x(), &reply.command.frictional.y(),
+                         &reply.bound.ratio, &reply.delivered.torque, &reply.delivered.elastic}) {
     const double before = *number;
     *number = nan;
     EXPECT_EQ(decode(encoder.reply(reply), out), DropReason::not_finite);

@@ -54,7 +54,7 @@ SceneView view_of(std::size_t hands, std::size_t bodies, Generator& random) {
 Reply longest_reply() {
   Reply reply;
   reply.sample_index = reply.withheld = ~std::uint64_t{0};
-  reply.client_time = reply.server_receive_time = reply.server_send_time = Nanoseconds(-1);
+  reply.client_time = reply.server_times.received = reply.server_times.sent = Nanoseconds(-1);
   reply.rotation = reply.predicted = true;
   return reply;
 }

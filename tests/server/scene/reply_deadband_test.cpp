@@ -131,11 +131,11 @@ TEST(ReplyDeadband, WhatBeginsOrEndsIsSent) {
   };
   EXPECT_EQ(answered([](Reply&) {}), std::pair(false, false));
   EXPECT_EQ(answered([](Reply& r) { r.command = {}; }), std::pair(true, false));
-  EXPECT_EQ(answered([](Reply& r) { r.refused = true; }), std::pair(true, false));
-  EXPECT_EQ(answered([](Reply& r) { r.saturated = true; }), std::pair(true, false));
+  EXPECT_EQ(answered([](Reply& r) { r.bound.refused = true; }), std::pair(true, false));
+  EXPECT_EQ(answered([](Reply& r) { r.bound.saturated = true; }), std::pair(true, false));
   EXPECT_EQ(answered([](Reply& r) { r.gap = true; }), std::pair(true, true));
   EXPECT_EQ(answered([](Reply& r) { r.recovering = true; }), std::pair(true, true));
-  EXPECT_EQ(answered([](Reply& r) { r.active = true; }), std::pair(false, false));
+  EXPECT_EQ(answered([](Reply& r) { r.bound.active = true; }), std::pair(false, false));
 }
 
 // The server must send all replies during a recovery, and the first reply afterwards.

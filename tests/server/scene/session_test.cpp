@@ -27,8 +27,8 @@ Reply take(Session& session, const SampleBatch& batch) {
 void expect_same_forces(const Reply& a, const Reply& b) {
   EXPECT_EQ(a.command.elastic, b.command.elastic);
   EXPECT_EQ(a.command.frictional, b.command.frictional);
-  EXPECT_EQ(a.ratio, b.ratio);
-  EXPECT_EQ(a.active, b.active);
+  EXPECT_EQ(a.bound.ratio, b.bound.ratio);
+  EXPECT_EQ(a.bound.active, b.bound.active);
 }
 
 TEST(Session, AnswersTheNewestSample) {
@@ -37,7 +37,7 @@ TEST(Session, AnswersTheNewestSample) {
   const Reply reply = take(session, hand_batch(7, 3));
   EXPECT_EQ(reply.sample_index, 7u);
   EXPECT_EQ(reply.client_time, hand(7).client_time);
-  EXPECT_EQ(reply.server_receive_time, kNow);
+  EXPECT_EQ(reply.server_times.received, kNow);
   EXPECT_FALSE(reply.rotation);
   EXPECT_FALSE(reply.gap);
   EXPECT_EQ(session.counters().samples, 4u);
@@ -57,8 +57,8 @@ TEST(Session, CommandsTheScenesForce) {
   batch.samples[0] = sample;
   const Reply reply = take(session, batch);
   EXPECT_NEAR(reply.command.elastic.z(), 2000 * 0.004, 1e-9);
-  EXPECT_EQ(reply.ratio, 1.0);
-  EXPECT_FALSE(reply.active);
+  EXPECT_EQ(reply.bound.ratio, 1.0);
+  EXPECT_FALSE(reply.bound.active);
 }
 
 TEST(Session, TwoDegreesOfFreedomGetNoThirdForce) {
@@ -147,7 +147,7 @@ TEST(Session, GapIsAccountedAsOneLongHold) {
   rendered(0, 1e-3, 0);
   EXPECT_NEAR(rendered(-1e-4, 1e-3, 1e-4), before.command.elastic.z(), 1e-12);
   EXPECT_NEAR(rendered(-5e-4, 5e-3, 6e-4), after.command.elastic.z(), 1e-12);
-  EXPECT_TRUE(after.active);  // The bound acted, so the hold time mattered.
+  EXPECT_TRUE(after.bound.active);  // The bound acted, so the hold time mattered.
 }
 
 /// If a hold lasted longer than the sample indices indicate, the client's clock must count.
@@ -179,11 +179,11 @@ TEST(Session, SideSaysWhoBounds) {
     const Reply reply = take(session, batch);
     if (side == BoundingSide::client) {
       EXPECT_NEAR(reply.command.elastic.z(), 8.0, 1e-9);
-      EXPECT_FALSE(reply.active);
+      EXPECT_FALSE(reply.bound.active);
     } else {
       EXPECT_EQ(reply.command.elastic.z(), 0.0);
-      EXPECT_TRUE(reply.active);
-      EXPECT_EQ(reply.ratio, 0.0);
+      EXPECT_TRUE(reply.bound.active);
+      EXPECT_EQ(reply.bound.ratio, 0.0);
     }
   }
 }
