@@ -59,16 +59,16 @@ void add_serving(CLI::App& app, ServerConfig& config) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option(
-      "--record", config.record,
+      "--record", config.recording.file,
       "FILE.mcap for a recording of all inputs and pictures of the scene. feltwire-lab replay can "
       "read it. With several scenes, each has a FILE-SCENE.mcap");
-  app.add_option("--record-max-mib", config.record_max_mib,
+  app.add_option("--record-max-mib", config.recording.max_mib,
                  "[MiB] Largest size of one recording file. The next files are FILE-0001.mcap, "
                  "FILE-0002.mcap");
-  app.add_option("--record-max-seconds", config.record_max_seconds,
+  app.add_option("--record-max-seconds", config.recording.max_seconds,
                  "[s] Longest time in one recording file. Then the next file begins");
   app.add_option(
-      "--flight-recorder", config.flight_recorder,
+      "--flight-recorder", config.recording.flight_folder,
       "Folder for a recording of the last ten seconds of a scene. The server writes it after a "
       "session that its client did not end, after an overdrawn energy account, and at SIGUSR1");
   app.add_option(
@@ -121,32 +121,32 @@ void add_security(CLI::App& app, ServerConfig& config) {
                  "Largest burst of the requests that --join-rate limits")
       ->capture_default_str()
       ->group(group);
-  app.add_option("--handshake-timeout", config.handshake_timeout,
+  app.add_option("--handshake-timeout", config.connections.handshake_timeout,
                  "[s] Longest time from a connection to its valid token")
       ->capture_default_str()
       ->group(group);
-  app.add_option("--idle-timeout", config.idle_timeout,
+  app.add_option("--idle-timeout", config.connections.idle_timeout,
                  "[s] The server closes a control connection that sends no request for this time")
       ->capture_default_str()
       ->group(group);
-  app.add_option("--max-connections", config.max_connections,
+  app.add_option("--max-connections", config.connections.max,
                  "Largest number of control connections. Half of them are reserved for clients "
                  "with a valid "
                  "token")
       ->capture_default_str()
       ->group(group);
   app.add_option(
-         "--max-connections-per-network", config.max_connections_per_network,
+         "--max-connections-per-network", config.connections.max_per_network,
          "Largest number of connections from one network, in each half of --max-connections")
       ->capture_default_str()
       ->group(group);
   app.add_option(
-         "--handshake-rate", config.handshake_rate,
+         "--handshake-rate", config.connections.handshake_rate,
          "[1/s] Sustained rate limit of control connections from one network. Further connections "
          "wait up to 3 s")
       ->capture_default_str()
       ->group(group);
-  app.add_option("--handshake-burst", config.handshake_burst,
+  app.add_option("--handshake-burst", config.connections.handshake_burst,
                  "Largest burst of the connections that --handshake-rate limits")
       ->capture_default_str()
       ->group(group);

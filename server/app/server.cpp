@@ -31,13 +31,13 @@ namespace {
 /// Returns the function that loads scenes. For a recording, it also keeps the scenes' files in
 /// memory.
 SceneLoader::Load loader_of(const ServerConfig& config) {
-  return config.record.empty() ? load_scene_and_warn : load_scene_keep_and_warn;
+  return config.recording.file.empty() ? load_scene_and_warn : load_scene_keep_and_warn;
 }
 
 RecorderOptions recorder_options(const ServerConfig& config) {
-  return {.file = config.record,
-          .limits = {config.record_max_mib, config.record_max_seconds},
-          .flight_folder = config.flight_recorder};
+  return {.file = config.recording.file,
+          .limits = {config.recording.max_mib, config.recording.max_seconds},
+          .flight_folder = config.recording.flight_folder};
 }
 
 std::vector<Scene> load_scenes(const ServerConfig& config) {
@@ -63,16 +63,16 @@ ControlOptions control_options(const ServerConfig& config) {
   };
   ControlOptions options;
   options.address = asio::ip::make_address(config.address);
-  options.handshake_timeout = milliseconds(config.handshake_timeout);
-  options.idle_timeout = milliseconds(config.idle_timeout);
-  options.max_connections = static_cast<std::size_t>(config.max_connections);
+  options.handshake_timeout = milliseconds(config.connections.handshake_timeout);
+  options.idle_timeout = milliseconds(config.connections.idle_timeout);
+  options.max_connections = static_cast<std::size_t>(config.connections.max);
   options.max_connections_per_network =
-      static_cast<std::size_t>(config.max_connections_per_network);
+      static_cast<std::size_t>(config.connections.max_per_network);
   options.max_connections_per_client =
       std::max(options.max_connections_per_client,
                2 * static_cast<std::size_t>(config.max_sessions_per_client));
-  options.handshake_rate = config.handshake_rate;
-  options.handshake_burst = config.handshake_burst;
+  options.handshake_rate = config.connections.handshake_rate;
+  options.handshake_burst = config.connections.handshake_burst;
   return options;
 }
 
@@ -248,7 +248,7 @@ struct Server::Parts {
 
   /// Returns the function that writes a flight record. Empty if there is no flight recorder.
   AdminService::WriteFlight flight_writer(const ServerConfig& config) {
-    if (config.flight_recorder.empty()) return {};
+    if (config.recording.flight_folder.empty()) return {};
     return [this](std::size_t scene, AdminService::FlightWritten done) {
       // `done` may own a connection, which must be destroyed on the control thread.
       auto asked = std::make_shared<AdminService::FlightWritten>(std::move(done));

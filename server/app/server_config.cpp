@@ -57,13 +57,13 @@ Complaint range_complaint(const ServerConfig& c) {
            {"--max-sessions-per-client", 1.0 * c.max_sessions_per_client, 1, kMostSessions},
            {"--join-rate", c.join_rate, 1.0 / kLongest, kFastest},
            {"--join-burst", c.join_burst, 1, kFastest},
-           {"--handshake-timeout", c.handshake_timeout, kShortest, kLongest},
-           {"--idle-timeout", c.idle_timeout, kShortest, kLongest},
-           {"--max-connections", 1.0 * c.max_connections, 2, kMostConnections},
-           {"--max-connections-per-network", 1.0 * c.max_connections_per_network, 1,
+           {"--handshake-timeout", c.connections.handshake_timeout, kShortest, kLongest},
+           {"--idle-timeout", c.connections.idle_timeout, kShortest, kLongest},
+           {"--max-connections", 1.0 * c.connections.max, 2, kMostConnections},
+           {"--max-connections-per-network", 1.0 * c.connections.max_per_network, 1,
             kMostConnections},
-           {"--handshake-rate", c.handshake_rate, 1.0 / kLongest, kFastest},
-           {"--handshake-burst", c.handshake_burst, 1, kFastest},
+           {"--handshake-rate", c.connections.handshake_rate, 1.0 / kLongest, kFastest},
+           {"--handshake-burst", c.connections.handshake_burst, 1, kFastest},
            {"--web-hands", 1.0 * c.web_hands, 0, kMostWebHands}}) {
     if (range.value >= range.least && range.value <= range.most) continue;
     std::ostringstream text;
@@ -74,15 +74,15 @@ Complaint range_complaint(const ServerConfig& c) {
 }
 
 Complaint recording_complaint(const ServerConfig& c) {
-  if (!c.record.empty() && !is_mcap(c.record))
-    return complaint_of("--record",
-                        "'" + c.record.string() + "' is no MCAP file's name; write FILE.mcap");
-  if (!(c.record_max_mib >= 1.0))
+  if (!c.recording.file.empty() && !is_mcap(c.recording.file))
+    return complaint_of(
+        "--record", "'" + c.recording.file.string() + "' is no MCAP file's name; write FILE.mcap");
+  if (!(c.recording.max_mib >= 1.0))
     return complaint_of("--record-max-mib",
-                        std::to_string(c.record_max_mib) + " MiB is too little; give 1 or more");
-  if (!(c.record_max_seconds >= 1.0))
-    return complaint_of("--record-max-seconds",
-                        std::to_string(c.record_max_seconds) + " s is too little; give 1 or more");
+                        std::to_string(c.recording.max_mib) + " MiB is too little; give 1 or more");
+  if (!(c.recording.max_seconds >= 1.0))
+    return complaint_of("--record-max-seconds", std::to_string(c.recording.max_seconds) +
+                                                    " s is too little; give 1 or more");
   return {};
 }
 

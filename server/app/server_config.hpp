@@ -13,33 +13,43 @@
 
 namespace feltwire {
 
+/// The limits of control connections.
+struct ConnectionConfig {
+  double handshake_timeout = 5.0;  // [s] from connecting to a valid token
+  double idle_timeout = 60.0;      // [s] a connection without a request ends
+  int max = 512;                   // half of them for those with a valid token
+  int max_per_network = 128;       // of either half; an IPv4 /24, an IPv6 /64
+  double handshake_rate = 50.0;    // [1/s] connections of one network, sustained,
+  double handshake_burst = 100.0;  // and at once
+};
+
+/// The files that the server writes about its scenes.
+struct RecordingConfig {
+  std::filesystem::path file;           // FILE.mcap for the inputs of a scene; empty: none
+  double max_mib = HUGE_VAL;            // of one file of several
+  double max_seconds = HUGE_VAL;        // the same
+  std::filesystem::path flight_folder;  // of flight records; empty: none
+};
+
 /// SecurityOptions::address: other machines on request only.
 struct ServerConfig : SecurityOptions {
   std::vector<std::filesystem::path> scenes;  // at least one
   int port = kDefaultPort;       // control (tcp); the scenes' ports (udp) follow it; 0: free ports
   double silence_timeout = 2.0;  // [s]
   int max_sessions_per_scene = 64;
-  double sample_rate_limit = 1.5;         // of a session, times its servo rate
-  int max_sessions_per_client = 16;       // of all tokens with one client's name
-  double join_rate = 20.0;                // [1/s] joins, changes and wrong tokens, sustained,
-  double join_burst = 60.0;               // and at once (server/control/request_limits.hpp)
-  double handshake_timeout = 5.0;         // [s] from connecting to a valid token
-  double idle_timeout = 60.0;             // [s] a connection without a request ends
-  int max_connections = 512;              // half of them for those with a valid token
-  int max_connections_per_network = 128;  // of either half; an IPv4 /24, an IPv6 /64
-  double handshake_rate = 50.0;           // [1/s] connections of one network, sustained,
-  double handshake_burst = 100.0;         // and at once
+  double sample_rate_limit = 1.5;    // of a session, times its servo rate
+  int max_sessions_per_client = 16;  // of all tokens with one client's name
+  double join_rate = 20.0;           // [1/s] joins, changes and wrong tokens, sustained,
+  double join_burst = 60.0;          // and at once (server/control/request_limits.hpp)
+  ConnectionConfig connections;
   std::string profile;       // line that the sessions share, lan, wan or thin; empty: no limit
   double busy_poll = 0.0;    // [us] before a scene's thread sleeps; 0: at once, infinity: never
   bool real_time = false;    // scenes' threads have priority over all others
   std::string dscp = "cs0";  // of replies: a name or a number, see protocol/net/udp_socket.hpp
   std::string web;           // of the live page: "PORT" or "ADDRESS:PORT"; empty: there is none
   std::string metrics;       // the same for a port with the counters alone; empty: there is none
-  std::vector<std::string> web_names;     // host names that browsers may use for the page
-  std::filesystem::path record;           // FILE.mcap for the inputs of a scene; empty: none
-  double record_max_mib = HUGE_VAL;       // of one file of several
-  double record_max_seconds = HUGE_VAL;   // the same
-  std::filesystem::path flight_recorder;  // folder of flight records; empty: none
+  std::vector<std::string> web_names;  // host names that browsers may use for the page
+  RecordingConfig recording;
   bool demo = false;  // two simulated hands in each scene (server/app/demo_hands.hpp)
   int web_hands = 4;  // sessions of role pointer: hands that viewers of the page hold, at once
   std::string log_level = "info";

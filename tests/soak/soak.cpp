@@ -55,7 +55,7 @@ Server make_server(const Options& options) {
   // All sessions belong to one client at one address.
   config.max_sessions_per_client = config.max_sessions_per_scene;
   config.join_rate = config.join_burst = 1e3;
-  config.handshake_rate = config.handshake_burst = 1e4;
+  config.connections.handshake_rate = config.connections.handshake_burst = 1e4;
   std::vector<Scene> scenes;
   scenes.push_back(load_scene(options.scene_file));
   return {config, std::move(scenes), test::security()};

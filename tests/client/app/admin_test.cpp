@@ -27,7 +27,7 @@ class AdminProgram : public ::testing::Test {
     std::vector<Scene> scenes;
     scenes.push_back(testing::floor_scene());
     ServerConfig config = testing::any_ports();
-    config.flight_recorder = folder_ / "flights";
+    config.recording.flight_folder = folder_ / "flights";
     server_ = std::make_unique<Server>(config, std::move(scenes), test::security({anna_.token}));
     access_ = test::access(server_->control_port());
   }

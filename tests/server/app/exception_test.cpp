@@ -252,8 +252,8 @@ TEST(Exceptions, OfEveryAllocationEndAtMostOneScene) {
   config.join_burst = config.join_rate = 1e9;
   // Lost sessions stay for some time.
   config.max_sessions_per_client = config.max_sessions_per_scene = 1000;
-  config.max_connections = config.max_connections_per_network = 2000;
-  config.handshake_burst = config.handshake_rate = 1e9;
+  config.connections.max = config.connections.max_per_network = 2000;
+  config.connections.handshake_burst = config.connections.handshake_rate = 1e9;
   std::vector<Scene> scenes;
   scenes.push_back(test::room());
   Server server(config, std::move(scenes), test::security(),

@@ -154,7 +154,7 @@ TEST(Loading, KeepsTheConnectionOfWhoeverAskedForIt) {
   std::ofstream(file) << json("slow");
   ServerConfig config = test::any_port();
   config.scenes = {file};
-  config.idle_timeout = 0.1;
+  config.connections.idle_timeout = 0.1;
   std::vector<Scene> scenes;
   scenes.push_back(load_scene(file));
   Hold hold(file);

@@ -48,12 +48,12 @@ TEST(Config, EveryFieldIsRead) {
   EXPECT_EQ(config.max_sessions_per_client, 5);
   EXPECT_EQ(config.join_rate, 0.5);
   EXPECT_EQ(config.join_burst, 2.0);
-  EXPECT_EQ(config.handshake_timeout, 1.5);
-  EXPECT_EQ(config.idle_timeout, 30.0);
-  EXPECT_EQ(config.max_connections, 7);
-  EXPECT_EQ(config.max_connections_per_network, 6);
-  EXPECT_EQ(config.handshake_rate, 8.0);
-  EXPECT_EQ(config.handshake_burst, 9.0);
+  EXPECT_EQ(config.connections.handshake_timeout, 1.5);
+  EXPECT_EQ(config.connections.idle_timeout, 30.0);
+  EXPECT_EQ(config.connections.max, 7);
+  EXPECT_EQ(config.connections.max_per_network, 6);
+  EXPECT_EQ(config.connections.handshake_rate, 8.0);
+  EXPECT_EQ(config.connections.handshake_burst, 9.0);
   EXPECT_NO_THROW(validate(config));
 }
 
@@ -74,12 +74,12 @@ TEST(Config, WhatIsLeftOutKeepsItsDefault) {
   EXPECT_EQ(read.max_sessions_per_client, made.max_sessions_per_client);
   EXPECT_EQ(read.join_rate, made.join_rate);
   EXPECT_EQ(read.join_burst, made.join_burst);
-  EXPECT_EQ(read.handshake_timeout, made.handshake_timeout);
-  EXPECT_EQ(read.idle_timeout, made.idle_timeout);
-  EXPECT_EQ(read.max_connections, made.max_connections);
-  EXPECT_EQ(read.max_connections_per_network, made.max_connections_per_network);
-  EXPECT_EQ(read.handshake_rate, made.handshake_rate);
-  EXPECT_EQ(read.handshake_burst, made.handshake_burst);
+  EXPECT_EQ(read.connections.handshake_timeout, made.connections.handshake_timeout);
+  EXPECT_EQ(read.connections.idle_timeout, made.connections.idle_timeout);
+  EXPECT_EQ(read.connections.max, made.connections.max);
+  EXPECT_EQ(read.connections.max_per_network, made.connections.max_per_network);
+  EXPECT_EQ(read.connections.handshake_rate, made.connections.handshake_rate);
+  EXPECT_EQ(read.connections.handshake_burst, made.connections.handshake_burst);
 }
 
 TEST(Config, ABusyPollMayBeForEver) {

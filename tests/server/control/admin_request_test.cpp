@@ -160,13 +160,13 @@ TEST_F(AdminRequest, AFlightRecordIsWrittenAndNamed) {
 
   const testing::TemporaryFolder folder;
   ServerConfig config = test::any_port();
-  config.flight_recorder = folder / "flights";
+  config.recording.flight_folder = folder / "flights";
   Server server(config, scenes(), test::security());
   ControlClient admin(server.control_port());
   const auto written = admin.ask<control::FlightRecordWritten>(control::WriteFlightRecord{"room"});
   EXPECT_EQ(written.scene, "room");
   EXPECT_TRUE(std::filesystem::exists(written.file)) << written.file;
-  std::filesystem::remove_all(config.flight_recorder);
+  std::filesystem::remove_all(config.recording.flight_folder);
   const auto failed = admin.ask<Refused>(control::WriteFlightRecord{"room"});
   EXPECT_EQ(failed.code, RefusalCode::failed);
   EXPECT_THAT(failed.reason, HasSubstr("the server's log says why"));

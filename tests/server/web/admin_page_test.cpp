@@ -103,7 +103,7 @@ TEST_F(AdminPage, AsksForAFlightRecord) {
 
   const testing::TemporaryFolder folder;
   ServerConfig config = test::with_page();
-  config.flight_recorder = folder / "flights";
+  config.recording.flight_folder = folder / "flights";
   Server server(config, scenes(), test::security());
   Page page(server, admin_);
   page.text("materials");
