@@ -49,4 +49,10 @@ web::WebOptions page_place(const std::string& web, const std::vector<std::string
   return options;
 }
 
+std::string own_host(const std::string& listens_on) {
+  const auto address = asio::ip::make_address(listens_on);
+  if (!address.is_unspecified()) return listens_on;
+  return address.is_v6() ? "::1" : "127.0.0.1";
+}
+
 }  // namespace feltwire

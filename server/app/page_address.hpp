@@ -19,4 +19,7 @@ std::string admin_token_for_page(const SecurityOptions& config);
 /// it. Throws the same as web_place().
 web::WebOptions page_place(const std::string& web, const std::vector<std::string>& names);
 
+/// The address at which this machine reaches a server that listens on `listens_on`.
+std::string own_host(const std::string& listens_on);
+
 }  // namespace feltwire

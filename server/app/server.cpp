@@ -2,10 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
 #include <asio/executor_work_guard.hpp>
 #include <asio/post.hpp>
-#include <cmath>
 #include <future>
 #include <stdexcept>
 #include <thread>
@@ -13,9 +11,9 @@
 #include "core/base/file_error.hpp"
 #include "core/base/visible_text.hpp"
 #include "protocol/net/post.hpp"
-#include "protocol/net/udp_socket.hpp"
 #include "server/access/admin_token.hpp"
 #include "server/app/page_address.hpp"
+#include "server/app/part_options.hpp"
 #include "server/app/prometheus_metrics.hpp"
 #include "server/control/control_service.hpp"
 #include "server/recording/recorder.hpp"
@@ -32,12 +30,6 @@ namespace {
 /// memory.
 SceneLoader::Load loader_of(const ServerConfig& config) {
   return config.recording.file.empty() ? load_scene_and_warn : load_scene_keep_and_warn;
-}
-
-RecorderOptions recorder_options(const ServerConfig& config) {
-  return {.file = config.recording.file,
-          .limits = {config.recording.max_mib, config.recording.max_seconds},
-          .flight_folder = config.recording.flight_folder};
 }
 
 std::vector<Scene> load_scenes(const ServerConfig& config) {
@@ -57,37 +49,6 @@ void warn_of_spinning(Nanoseconds busy_poll, std::size_t scenes) {
         scenes, cores);
 }
 
-ControlOptions control_options(const ServerConfig& config) {
-  const auto milliseconds = [](double seconds) {
-    return std::chrono::duration_cast<std::chrono::milliseconds>(from_seconds(seconds));
-  };
-  ControlOptions options;
-  options.address = asio::ip::make_address(config.address);
-  options.handshake_timeout = milliseconds(config.connections.handshake_timeout);
-  options.idle_timeout = milliseconds(config.connections.idle_timeout);
-  options.max_connections = static_cast<std::size_t>(config.connections.max);
-  options.max_connections_per_network =
-      static_cast<std::size_t>(config.connections.max_per_network);
-  options.max_connections_per_client =
-      std::max(options.max_connections_per_client,
-               2 * static_cast<std::size_t>(config.max_sessions_per_client));
-  options.handshake_rate = config.connections.handshake_rate;
-  options.handshake_burst = config.connections.handshake_burst;
-  return options;
-}
-
-ServiceLimits service_limits(const ServerConfig& config) {
-  return {static_cast<std::size_t>(config.max_sessions_per_client),
-          static_cast<std::size_t>(config.web_hands), config.join_rate, config.join_burst};
-}
-
-/// Returns the address at which this machine reaches a server that listens on `listens_on`.
-std::string own_host(const std::string& listens_on) {
-  const auto address = asio::ip::make_address(listens_on);
-  if (!address.is_unspecified()) return listens_on;
-  return address.is_v6() ? "::1" : "127.0.0.1";
-}
-
 /// Loads the certificate and the tokens. If there is a live page, adds a token for the link that
 /// opens it as an admin on this machine.
 Security security_of(const ServerConfig& config) {
@@ -101,19 +62,6 @@ Security security_of(const ServerConfig& config) {
   }
   security.tokens = TokenFile(token_file(config));
   return security;
-}
-
-SceneHostOptions host_options(const ServerConfig& config) {
-  SceneHostOptions options;
-  options.address = asio::ip::make_address(config.address);
-  options.silence_timeout = from_seconds(config.silence_timeout);
-  if (!config.profile.empty()) options.line = &network_profile(config.profile);
-  options.dscp = dscp(config.dscp);
-  options.max_sessions = static_cast<std::size_t>(config.max_sessions_per_scene);
-  options.limits.sample_rate = config.sample_rate_limit;
-  options.busy_poll = busy_poll_time(config.busy_poll);
-  options.real_time = config.real_time;
-  return options;
 }
 
 }  // namespace

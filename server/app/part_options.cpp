@@ -1,0 +1,56 @@
+#include "server/app/part_options.hpp"
+
+#include <algorithm>
+#include <asio/ip/address.hpp>
+#include <chrono>
+
+#include "protocol/net/busy_poll.hpp"
+#include "protocol/net/udp_socket.hpp"
+#include "protocol/session/profiles.hpp"
+
+namespace feltwire {
+
+ControlOptions control_options(const ServerConfig& config) {
+  const auto milliseconds = [](double seconds) {
+    return std::chrono::duration_cast<std::chrono::milliseconds>(from_seconds(seconds));
+  };
+  ControlOptions options;
+  options.address = asio::ip::make_address(config.address);
+  options.handshake_timeout = milliseconds(config.connections.handshake_timeout);
+  options.idle_timeout = milliseconds(config.connections.idle_timeout);
+  options.max_connections = static_cast<std::size_t>(config.connections.max);
+  options.max_connections_per_network =
+      static_cast<std::size_t>(config.connections.max_per_network);
+  options.max_connections_per_client =
+      std::max(options.max_connections_per_client,
+               2 * static_cast<std::size_t>(config.max_sessions_per_client));
+  options.handshake_rate = config.connections.handshake_rate;
+  options.handshake_burst = config.connections.handshake_burst;
+  return options;
+}
+
+ServiceLimits service_limits(const ServerConfig& config) {
+  return {static_cast<std::size_t>(config.max_sessions_per_client),
+          static_cast<std::size_t>(config.web_hands), config.join_rate, config.join_burst};
+}
+
+SceneHostOptions host_options(const ServerConfig& config) {
+  SceneHostOptions options;
+  options.address = asio::ip::make_address(config.address);
+  options.silence_timeout = from_seconds(config.silence_timeout);
+  if (!config.profile.empty()) options.line = &network_profile(config.profile);
+  options.dscp = dscp(config.dscp);
+  options.max_sessions = static_cast<std::size_t>(config.max_sessions_per_scene);
+  options.limits.sample_rate = config.sample_rate_limit;
+  options.busy_poll = busy_poll_time(config.busy_poll);
+  options.real_time = config.real_time;
+  return options;
+}
+
+RecorderOptions recorder_options(const ServerConfig& config) {
+  return {.file = config.recording.file,
+          .limits = {config.recording.max_mib, config.recording.max_seconds},
+          .flight_folder = config.recording.flight_folder};
+}
+
+}  // namespace feltwire
