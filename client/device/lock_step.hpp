@@ -64,7 +64,6 @@ class LockStepDevice : public Device {
 
   /// Sleeps until then.
   static void rest(Nanoseconds until) noexcept;
-  Nanoseconds sent_at() const noexcept { return sent_at_; }
 
   SourcedSpec described_;
 

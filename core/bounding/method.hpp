@@ -33,11 +33,6 @@ struct Faults {
 };
 inline constexpr Faults kAllFaults{true, true, true};
 
-/// The options of BoundingConfig that a method reads, besides period, damping and limits.
-struct MethodOptions {
-  bool c1_c2 = false, projection_storage = false, reference = false, coupling = false;
-};
-
 /// A method: its entry in the registry.
 template <class Real>
 struct BasicBoundingMethod {
@@ -46,8 +41,8 @@ struct BasicBoundingMethod {
   /// Makes the law of a configuration that the bound has checked. Throws std::invalid_argument for
   /// options with which the law cannot keep its promise.
   BasicBoundingLaw<Real> (*make)(const BoundingConfig&) = nullptr;
-  bool research = true;  // for comparison in the laboratory; --help lists it after the others
-  MethodOptions options{};
+  bool research = true;   // for comparison in the laboratory; --help lists it after the others
+  bool projects = false;  // it reads BoundingConfig::projection and storage
   Promise promise = Promise::none;
   Faults kept_despite{};   // the promise is kept although these happen
   bool keeps_all = false;  // it stores all energy that it ever took in, not only that at stake

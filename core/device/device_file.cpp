@@ -190,10 +190,6 @@ SourcedSpec load_sourced_spec(const std::filesystem::path& file) {
   return read_spec(read_text(file), file.string());
 }
 
-DeviceSpec load_device_spec(const std::filesystem::path& file) {
-  return load_sourced_spec(file).spec;
-}
-
 std::span<const DeviceSpec> builtin_devices() {
   static const std::vector<DeviceSpec> list = [] {
     std::vector<DeviceSpec> specs;

@@ -35,7 +35,6 @@ struct SpecRequest {
 /// Reads a specification (JSON against core/device/device_spec.fbs). Throws FileError that names
 /// the file, the line, the field and the remedy.
 SourcedSpec load_sourced_spec(const std::filesystem::path& file);
-DeviceSpec load_device_spec(const std::filesystem::path& file);
 
 /// Finds the device of a command line: a built-in one by its name, or a file by a path that ends in
 /// .json. Throws std::invalid_argument that lists the built-in names, or FileError.

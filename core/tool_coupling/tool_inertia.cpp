@@ -81,8 +81,7 @@ InertialStep::InertialStep(const ToolInertia& tool, const Pose& pose, const Tool
       elapsed_(elapsed),
       share_(share),
       start_center_(center_of_mass(tool, pose)),
-      center_(start_center_ + share * elapsed * velocity.linear),
-      kinetic_before_(kinetic_energy(tool, pose.orientation, velocity)) {
+      center_(start_center_ + share * elapsed * velocity.linear) {
   const Vec3 mean =
       free_turn(tool.inertia, pose.orientation.conjugate() * velocity.angular, elapsed);
   orientation_ = turned(pose.orientation, pose.orientation * (share * elapsed * mean));

@@ -81,7 +81,6 @@ class InertialStep {
   ToolVelocity velocity(const Pose& found) const noexcept;
   /// [J] energy() less the part that is kinetic: the potential of gravity, from the start.
   double weight_energy(const Pose& pose) const noexcept;
-  double kinetic_before() const noexcept { return kinetic_before_; }  // [J]
 
  private:
   struct Away {
@@ -97,7 +96,6 @@ class InertialStep {
   Vec3 start_center_, center_;  // [m] c_0, c~
   Quaternion orientation_;      // R~
   Mat3 inertia_;                // [kg m^2] I~
-  double kinetic_before_;       // [J]
 };
 
 }  // namespace feltwire

@@ -264,7 +264,6 @@ class NetworkRun {
                                .position = port_.position(),
                                .velocity = port_.velocity(),
                                .acted = acted.force(),
-                               .acted_torque = acted.torque,
                                .orientation = port_.orientation(),
                                .held = servo_.held(),
                                .ideal = ideal(period),

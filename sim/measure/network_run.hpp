@@ -37,11 +37,10 @@ struct NetworkRunOptions {
 
 /// A servo tick. Forces on the hand, world frame.
 struct NetworkSample {
-  double time = 0.0;                 // [s] since the first tick
-  Vec3 position = Vec3::Zero();      // [m] true, not rounded by encoders
-  Vec3 velocity = Vec3::Zero();      // [m/s] true
-  Vec3 acted = Vec3::Zero();         // [N] on the hand from the tick before to this one
-  Vec3 acted_torque = Vec3::Zero();  // [N m] with it
+  double time = 0.0;             // [s] since the first tick
+  Vec3 position = Vec3::Zero();  // [m] true, not rounded by encoders
+  Vec3 velocity = Vec3::Zero();  // [m/s] true
+  Vec3 acted = Vec3::Zero();     // [N] on the hand from the tick before to this one
   Quaternion orientation = Quaternion::Identity();  // true; the identity where it does not turn
   Command held;                                     // on the hand from this tick on
   Command ideal;                   // the scene's command for the true pose and velocity

@@ -386,7 +386,7 @@ std::vector<ExtremeRow> run_extremes(double assumed_damping, int hands,
   for (const WallStress& stress : walls())
     for (const std::string_view name : methods) {
       // bound_config() makes four variants: two projections times two energy storages.
-      const int variants = bounding_method(name).options.projection_storage ? 4 : 1;
+      const int variants = bounding_method(name).projects ? 4 : 1;
       row(stress.name(), name, {}, variants,
           [&](const auto& method, Promise p, int hand, ExtremeOutcome& o) {
             touch_wall(stress, method, p, hand, assumed_damping, o);

@@ -22,7 +22,7 @@ class DeviceFile : public ::testing::Test {
 
   DeviceSpec load(const std::string& text) {
     std::ofstream(file_) << text;
-    return load_device_spec(file_);
+    return load_sourced_spec(file_).spec;
   }
   std::string error(const std::string& text) {
     try {
