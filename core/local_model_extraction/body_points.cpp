@@ -6,41 +6,15 @@
 
 #include "core/base/numeric.hpp"
 #include "core/grid/signed_distance.hpp"
+#include "core/local_model_extraction/shell_cut.hpp"
 #include "core/tool/body_tool.hpp"
 
 namespace feltwire {
 namespace {
 
-constexpr std::size_t kMostNumbered = std::numeric_limits<std::uint16_t>::max();
-/// Largest number of parts into which the point shell is split. The other kSpare points of the
-/// model are for points of these parts that meet another side of the solid.
-constexpr int kSpare = kLeastBodyPoints - 1;
-constexpr int kParts = kMaxBodyPoints - kSpare;
-
 constexpr double kLooked = 2e-3;  // [m] The points of a nearer part are examined one by one.
 // [m] least distance within which a model that omits points is complete.
 constexpr double kLeastReach = 1e-2;
-
-/// A part of the shell near one object: the nodes or points with the indices [begin, end).
-struct Part {
-  std::size_t object = 0;
-  // Points of one of the tool's sides (PointShell::sides), or of the whole tool.
-  const PointShell* shell = nullptr;
-  bool of_points = false;
-  std::uint32_t begin = 0, end = 0;
-  Vec3 center = Vec3::Zero();  // [m, tool frame] centre of the bounding ball
-  double radius = 0.0;         // [m] radius of the bounding ball
-  double distance = 0.0;       // [m] distance from the centre to the surface
-
-  double nearest() const { return distance - radius; }  // [m] lower bound of the points' distances
-  bool single() const { return of_points && end - begin == 1; }
-  /// Returns the loss of detail [m] if a single point replaces the part.
-  double coarseness() const {
-    if (single()) return 0.0;
-    const double far = std::clamp(nearest() / kBodyReach, 0.0, 1.0);
-    return radius * std::pow(1.0 - far, 4);
-  }
-};
 
 /// Sums over points near about the same plane. `arm` (from the tool's origin) is in the tool frame,
 /// and the normals are in the world frame.
@@ -74,156 +48,11 @@ double depth_for(double mean, double half) {
   return 2.0 * std::sqrt(half * mean) - half;  // (depth + half)^2 / (4 half) = mean
 }
 
-class Cut {
- public:
-  const Mat3& turned() const { return turned_; }
-  /// Uses all objects except those of `known`. Splits the shell into at most `most` parts.
-  Cut(const PointShell& shell, const std::vector<Object>& objects, const KnownSurfaces& known,
-      const Pose& tool, int most)
-      : most_(most),
-        shell_(shell),
-        objects_(objects),
-        known_(known),
-        tool_(tool),
-        turned_(tool.orientation.toRotationMatrix()) {}
-
-  /// Returns a lower bound [m] of the distance from a surface to any point outside the chosen
-  /// parts.
-  double reach() const { return reach_; }
-  std::span<const Part> parts() const { return {parts_.data(), static_cast<std::size_t>(count_)}; }
-
-  void all() {
-    if (std::ranges::count(known_, true) == std::ssize(objects_)) reach_ = kModelReach;
-    for (std::size_t i = 0; i < objects_.size(); ++i) {
-      if ((i < known_.size() && known_[i]) || !may_be_near(i)) continue;
-      const auto side = [&](const PointShell& shell) {
-        const Part root{.object = i, .shell = &shell, .begin = 0, .end = 1};
-        if (i <= kMostNumbered)
-          offer(root);
-        else
-          miss(root);
-      };
-      std::ranges::for_each(shell_.sides, side);
-      if (shell_.sides.empty()) side(shell_);
-    }
-    while (refine()) {
-    }
-  }
-
-  FieldPoint at(std::size_t object, const Vec3& arm) const {
-    const Object& o = objects_[object];
-    const Quaternion to_object = o.pose.orientation.conjugate();
-    FieldPoint field = signed_distance(
-        o.shape, o.felt_from, to_object * (tool_.position + turned_ * arm - o.pose.position));
-    field.gradient = o.pose.orientation * field.gradient;
-    return field;
-  }
-
-  std::pair<std::uint32_t, std::uint32_t> points_of(const Part& part) const {
-    if (part.of_points) return {part.begin, part.end};
-    return {part.shell->nodes[part.begin].begin, part.shell->nodes[part.end - 1].end};
-  }
-
- private:
-  /// Returns true if a point of the shell may be within reach_ of an object. This test excludes
-  /// most objects.
-  bool may_be_near(std::size_t object) const {
-    const ShellNode& whole = shell_.nodes.front();
-    return at(object, whole.center).distance - whole.radius < reach_;
-  }
-
-  void miss(Part part) {
-    measure(part);
-    reach_ = std::min(reach_, part.nearest());
-  }
-
-  /// Computes the bounding ball of a part and the distance of its centre from the surface.
-  void measure(Part& part) const {
-    const auto n = static_cast<double>(part.end - part.begin);
-    part.center.setZero();
-    part.radius = 0.0;
-    for (std::uint32_t i = part.begin; i < part.end; ++i)
-      part.center += (part.of_points ? part.shell->points[i] : part.shell->nodes[i].center) / n;
-    for (std::uint32_t i = part.begin; i < part.end; ++i) {
-      const double reaches = part.of_points ? (part.shell->points[i] - part.center).norm()
-                                            : (part.shell->nodes[i].center - part.center).norm() +
-                                                  part.shell->nodes[i].radius;
-      part.radius = std::max(part.radius, reaches);
-    }
-    part.distance = at(part.object, part.center).distance;
-  }
-
-  /// Adds a part if it is within reach_, the distance within which the model is complete. If there
-  /// are too many parts, the farthest part is dropped and limits this distance.
-  void offer(Part part) {
-    measure(part);
-    if (!(part.nearest() < reach_)) return;
-    if (count_ == most_) {
-      const auto end = parts_.begin() + count_;
-      const auto farthest = std::max_element(parts_.begin(), end, [](const Part& a, const Part& b) {
-        return a.nearest() < b.nearest();
-      });
-      if (farthest->nearest() < part.nearest()) {
-        reach_ = std::min(reach_, part.nearest());
-        return;
-      }
-      reach_ = std::min(reach_, farthest->nearest());
-      *farthest = part;
-      return;
-    }
-    parts_[static_cast<std::size_t>(count_++)] = part;
-  }
-
-  /// Splits a part into two parts. Returns false if that is impossible.
-  bool halves(const Part& part, Part& low, Part& high) const {
-    Part whole = part;
-    while (!whole.of_points && whole.end - whole.begin == 1) {
-      const ShellNode& node = whole.shell->nodes[whole.begin];
-      whole.of_points = node.children == 0;
-      whole.begin = whole.of_points ? node.begin : node.child;
-      whole.end = whole.of_points ? node.end : node.child + node.children;
-    }
-    if (whole.end - whole.begin < 2) return false;
-    low = high = whole;
-    low.end = high.begin = whole.begin + (whole.end - whole.begin + 1) / 2;
-    return true;
-  }
-
-  /// Splits the coarsest part in two. Returns false if no part may be split.
-  bool refine() {
-    constexpr double kFine = 1e-5;  // [m] A part with a smaller coarseness is not split.
-    const auto begin = parts_.begin(), end = begin + count_;
-    const auto coarsest = std::max_element(
-        begin, end, [](const Part& a, const Part& b) { return a.coarseness() < b.coarseness(); });
-    if (coarsest == end || !(coarsest->coarseness() > kFine)) return false;
-    Part low, high;
-    if (!halves(*coarsest, low, high)) return false;
-    measure(low);
-    measure(high);
-    const bool keeps_low = low.nearest() < reach_, keeps_high = high.nearest() < reach_;
-    if (keeps_low && keeps_high && count_ == most_) return false;
-    *coarsest = keeps_low ? low : high;
-    if (keeps_low && keeps_high) parts_[static_cast<std::size_t>(count_++)] = high;
-    if (!keeps_low && !keeps_high) *coarsest = parts_[static_cast<std::size_t>(--count_)];
-    return true;
-  }
-
-  int most_;
-  const PointShell& shell_;
-  const std::vector<Object>& objects_;
-  const KnownSurfaces& known_;
-  const Pose& tool_;
-  Mat3 turned_;
-  std::array<Part, kParts> parts_{};
-  int count_ = 0;
-  double reach_ = kBodyReach;
-};
-
 /// Turns parts into points and patches.
 struct Builder {
   const BodyTool& tool;
   const std::vector<Object>& objects;
-  const Cut& cut;
+  const ShellCut& cut;
   BodyModel& model;
   int most = kMaxBodyPoints;
   const World* world = nullptr;  // null if no object moves
@@ -309,7 +138,7 @@ struct Builder {
   };
   static constexpr std::size_t kSides = 7;
 
-  void gather(const Part& part, std::span<Group> groups) const {
+  void gather(const ShellPart& part, std::span<Group> groups) const {
     // Least cosine of the angle between a normal and the plane's normal.
     constexpr double kOneSide = 0.9;
     const auto [begin, end] = cut.points_of(part);
@@ -334,7 +163,7 @@ struct Builder {
     }
   }
 
-  bool far(const Part& part) {
+  bool far(const ShellPart& part) {
     const auto [begin, end] = cut.points_of(part);
     Gathered points;
     for (std::uint32_t i = begin; i < end; ++i) points.add(part.shell->points[i], {});
@@ -347,13 +176,13 @@ struct Builder {
   }
 
   void build() {
-    std::array<Group, kParts * kSides> groups;
+    std::array<Group, ShellCut::kMost * kSides> groups;
     const auto parts = cut.parts();
     for (std::size_t i = 0; i < parts.size(); ++i)
       if (parts[i].nearest() < kLooked)
         gather(parts[i], std::span(groups).subspan(kSides * i, kSides));
     // Sort the groups by force. Then sort groups of equal force by distance.
-    std::array<const Group*, kParts * kSides> order{};
+    std::array<const Group*, ShellCut::kMost * kSides> order{};
     std::size_t count = 0;
     for (const Group& group : groups)
       if (group.points.count > 0.0) order[count++] = &group;
@@ -367,7 +196,7 @@ struct Builder {
     for (std::size_t i = 0; i < count; ++i)
       if (!add(order[i]->object, order[i]->points))
         model.reach = std::min(model.reach, std::max(kLeastReach, order[i]->points.least));
-    for (const Part& part : parts)
+    for (const ShellPart& part : parts)
       if (!(part.nearest() < kLooked) && !far(part))
         model.reach = std::min(model.reach, std::max(kLeastReach, part.nearest()));
   }
@@ -384,8 +213,7 @@ BodyModel model_of(const ToolView& view, const std::vector<Object>& objects, con
   if (tool.inertia().mass > 0.0 && version == 0) return model;
   if (most < kLeastBodyPoints) return model;
   most = std::min(most, kMaxBodyPoints);
-  Cut cut(tool.shell(), objects, known, memory.pose, most - kSpare);
-  cut.all();
+  const ShellCut cut(tool.shell(), objects, known, memory.pose, most - ShellCut::kSpare);
   model.solids = version;
   model.tool = memory.pose;
   model.coupling = tool.coupling();
