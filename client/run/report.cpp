@@ -1,12 +1,13 @@
 #include "client/run/report.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
+#include "client/run/device_report.hpp"
 #include "client/run/device_words.hpp"
+#include "client/run/json_values.hpp"
 #include "client/run/link_states_json.hpp"
 #include "client/transport/encoder.hpp"
 #include "core/base/enum_names.hpp"
@@ -15,69 +16,15 @@
 #include "core/build_info/build_info.hpp"
 
 namespace feltwire {
+namespace report {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-constexpr double kNanosecond = 1e-3;   // microseconds per nanosecond
 constexpr double kMicrodegree = 1e-6;  // degrees per microdegree
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
-
-Json micrometres(const std::optional<double>& metres) {
-  return metres ? number(kMicro * *metres) : Json(nullptr);
-}
-
-/// Returns a quantile, or null without data, because zero would look like a measurement.
-Json quantile(const Histogram& h, double q, double scale) {
-  return h.count() > 0 ? number(scale * h.quantile(q)) : Json(nullptr);
-}
-Json max_of(const Histogram& h, double scale) {
-  return h.count() > 0 ? number(scale * static_cast<double>(h.max())) : Json(nullptr);
-}
-Json mean_of(const Histogram& h, double scale) {
-  return h.count() > 0 ? number(scale * h.mean()) : Json(nullptr);
-}
-
-Json times(const Histogram& h) {
-  return {{"p50", quantile(h, 0.5, kNanosecond)},
-          {"p99", quantile(h, 0.99, kNanosecond)},
-          {"p999", quantile(h, 0.999, kNanosecond)},
-          {"max", max_of(h, kNanosecond)}};
-}
-
-Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
 
 Json energy(const ChannelEnergy& e) {
   return {{"elastic", number(e.elastic)},
           {"frictional", number(e.frictional)},
           {"torque", number(e.torque)}};
-}
-
-/// Returns a number for isotropic damping, else the matrix by rows.
-Json damping(const Damping& b) {
-  if (b.isotropic()) return number(b.least());
-  Json rows = Json::array();
-  for (int i = 0; i < 3; ++i)
-    rows.push_back({number(b.matrix()(i, 0)), number(b.matrix()(i, 1)), number(b.matrix()(i, 2))});
-  return rows;
-}
-
-Json device(const std::string& kind, const DeviceSpec& spec) {
-  return {{"kind", kind},
-          {"spec", spec.name},
-          {"translation_dof", spec.translation_dof},
-          {"rotation_sensed", spec.rotation_sensed},
-          {"rotation_actuated", spec.rotation_actuated},
-          {"damping", damping(spec.damping)},
-          {"max_force_n", number(spec.max_force)},
-          {"actuation_lag_s", number(spec.actuation_lag)},
-          {"late_ticks", spec.late_ticks},
-          {"transmission_n_per_m", spec.transmission_stiffness > 0.0
-                                       ? Json(number(spec.transmission_stiffness))
-                                       : Json(nullptr)},
-          {"encoder_side", kEncoderSideNames[static_cast<std::size_t>(spec.encoder_side)]}};
 }
 
 Json parameters(const SessionParameters& p) {
@@ -103,25 +50,6 @@ Json parameters(const SessionParameters& p) {
           {"predictor", name(p.predictor)},
           {"keep_alive_s", number(p.keep_alive)},
           {"local_model", p.local_model}};
-}
-
-Json safety(const SafetyLimits& s) {
-  return {{"max_force_n", number(s.force.max)},
-          {"velocity_limit_m_per_s", number(s.force.speed)},
-          {"slew_n_per_s", number(s.force.slew)},
-          {"ramp_up_s", number(s.ramp_up)},
-          {"wait_for_small_force_n", number(s.force.small)}};
-}
-
-Json encoder(const DeviceSpec& spec, double scene_stiffness) {
-  const bool known = spec.position_resolution > 0.0;
-  const auto warning = encoder_warning(spec, scene_stiffness);
-  return {
-      {"quantum_m", known ? number(spec.position_resolution) : Json(nullptr)},
-      {"coulomb_friction_n", number(spec.coulomb_friction)},
-      {"stiffness_limit_n_per_m", number(encoder_stiffness_limit(spec))},
-      {"scene_stiffness_n_per_m", scene_stiffness > 0.0 ? number(scene_stiffness) : Json(nullptr)},
-      {"warning", warning ? Json(*warning) : Json(nullptr)}};
 }
 
 Json dropped(const TransportStatistics& transport, const ServoStatistics& servo) {
@@ -192,36 +120,6 @@ Json account(const Servo& servo) {
           {"largest_debt_j", number(s.largest_debt)},
           {"strong_hand_samples", s.strong_hand},
           {"hand_force_n", number(servo.account()->outside_force())}};
-}
-
-/// Returns the true energy of a simulated device, or null for a real device.
-Json true_energy(const std::optional<TrueEnergy>& energy) {
-  if (!energy) return nullptr;
-  return {{"given_j", number(energy->given)},
-          {"burned_j", number(energy->burned)},
-          {"made_j", number(energy->made)},
-          {"to_hand_j", number(energy->to_hand)}};
-}
-
-/// Returns the result of a press against a wall, or null if there is no such wall.
-Json felt(const FirstPress& felt) {
-  if (!(felt.wall > 0.0)) return nullptr;
-  return {{"wall_n_per_m", number(felt.wall)},
-          {"share", number(felt.share)},
-          {"share_at_encoder", number(felt.share_at_encoder)},
-          {"swing_um", number(kMicro * felt.swing)}};
-}
-
-Json rehearsal(const std::optional<Rehearsal>& rehearsal) {
-  if (!rehearsal) return nullptr;
-  return {{"force_n", number(rehearsal->force)},
-          {"scene", felt(rehearsal->scene)},
-          {"calm_up_to", felt(rehearsal->calm)},
-          {"whole_up_to", felt(rehearsal->whole)},
-          {"most", felt(rehearsal->most)},
-          {"mass_known", rehearsal->mass_known},
-          {"swings", rehearsal->swings},
-          {"transmission_n_per_m", number(rehearsal->transmission)}};
 }
 
 /// Returns the debt of the energy account that ended the force, or null.
@@ -316,10 +214,12 @@ constexpr std::array<std::string_view, 6> kGoodbyeReasonNames = {
     "leaving", "shutting_down", "evicted", "flooding", "failed", "disturbing"};
 
 }  // namespace
+}  // namespace report
 
 std::string report_json(const RunDescription& run, const Servo& servo,
                         const TransportStatistics& transport, const LoopResult& loop,
                         const std::string& link) {
+  using namespace report;
   const ServoStatistics& s = servo.statistics();
   const PortEnergy& port = servo.port();
   Json report = {
