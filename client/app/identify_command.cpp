@@ -201,11 +201,11 @@ void identify(const IdentifyWords& words) {
   if (!(found.damping_bound.minCoeff() > 0.0))
     std::printf(
         "The damping is too small to separate it from friction and noise. The file has 0.\n");
-  if (known.spec.late_ticks > 0 && found.lag_bound)
+  if (known.spec.actuation.late_ticks > 0 && found.lag_bound)
     std::fprintf(stderr,
                  "feltwire-client identify: warning: the file goes on with late_ticks %d. If that "
                  "is less than %.2f ms, put late_ticks 0 and actuation_lag %.6f in their place\n",
-                 known.spec.late_ticks, 1e3 * *found.lag_bound, *found.lag_bound);
+                 known.spec.actuation.late_ticks, 1e3 * *found.lag_bound, *found.lag_bound);
   replace_file(words.out, device_file_text(described), kByUmask);
   std::printf("%s was written; use it with --spec %s\n", visible(words.out).c_str(),
               visible(words.out).c_str());

@@ -10,7 +10,7 @@
 
 namespace feltwire {
 
-/// A device that takes forces up late by some ticks (DeviceSpec::late_ticks) either returns from
+/// A device that takes forces up late by some ticks (ActuationSpec::late_ticks) either returns from
 /// write() what is on the hand until then, or it cannot tell, and returns what it was given. Then
 /// the command of so many ticks before is on the hand.
 ///

@@ -6,9 +6,9 @@ namespace feltwire {
 
 void assume_lag(SourcedSpec& described, const Connection& connection) {
   DeviceSpec& spec = described.spec;
-  if (described.tells_lag || spec.late_ticks > 0) return;
-  spec.actuation_lag = connection.lag;
-  spec.actuation_kind = LagKind::delay;
+  if (described.tells_lag || spec.actuation.late_ticks > 0) return;
+  spec.actuation.lag = connection.lag;
+  spec.actuation.kind = LagKind::delay;
   described.sources["actuation_lag"] = "assumption for " + std::string(connection.name);
 }
 

@@ -91,8 +91,8 @@ class Device {
   /// Returns the command that is really held, which may be less (a fault, an amplifier's limit) or
   /// still the one before (a force that comes too late for this tick). Only this command is
   /// accounted for, unless the next reading has another held force. A device that takes forces up
-  /// late (DeviceSpec::late_ticks) and cannot tell returns what it was given: then the command of
-  /// so many ticks before is accounted for (client/device/command_delay.hpp).
+  /// late (ActuationSpec::late_ticks) and cannot tell returns what it was given: then the command
+  /// of so many ticks before is accounted for (client/device/command_delay.hpp).
   virtual Command write(const Command& on_hand) noexcept = 0;
 
   /// Called before each of the last ticks, when the servo's own force has faded: takes off slowly

@@ -23,11 +23,11 @@ LockStepDevice::LockStepDevice(const SourcedSpec& usual, const SpecRequest& requ
   DeviceSpec& spec = described_.spec;
   spec.rotation_sensed = spec.rotation_actuated = 0;
   spec.max_torque = 0.0;
-  if (spec.actuation_lag > 0.0)
+  if (spec.actuation.lag > 0.0)
     throw DeviceSpecError(spec.name, "actuation_lag",
                           "this driver takes each force up one tick late, and the account reckons "
                           "with that; leave actuation_lag out");
-  spec.late_ticks = 1;
+  spec.actuation.late_ticks = 1;
 }
 
 Nanoseconds LockStepDevice::measure_answers(const std::function<void()>& ask) {

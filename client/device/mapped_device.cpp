@@ -74,7 +74,7 @@ DeviceSpec mapped_spec(const DeviceSpec& device, const WorkspaceMapping& mapping
                         &spec.continuous_force, &spec.hand_force})
     *force /= s;
   spec.position_resolution *= s * widening(axes);
-  spec.rotational_resolution *= widening(axes);
+  spec.rotation.resolution *= widening(axes);
   spec.hand_speed *= s;
   spec.workspace = s * (axes.cwiseAbs() * device.workspace);
   try {
@@ -95,7 +95,7 @@ MappedDevice::MappedDevice(std::unique_ptr<Device> device, const WorkspaceMappin
       turning_(axes_.determinant() < 0.0 ? -1.0 : 1.0),
       spec_(mapped_spec(device_->spec(), mapping)),
       tool_{.position = mapping.translation},
-      command_delay_(device_->spec().late_ticks) {}
+      command_delay_(device_->spec().actuation.late_ticks) {}
 
 void MappedDevice::begin(const Vec3& position, const Vec3& normal) {
   device_->begin(hand_.position + axes_.transpose() * (position - tool_.position) / scale_,

@@ -50,7 +50,7 @@ Hand with_wrist(Hand hand) {
 HandDevice::HandDevice(const DeviceSpec& spec, const Hand& given, const Plant& plant)
     : spec_(spec),
       hand_(held_by(plant, given)),
-      turns_(spec.rotation_sensed > 0 && spec.apparent_inertia + hand_.inertia > 0.0) {
+      turns_(spec.rotation_sensed > 0 && spec.rotation.inertia + hand_.inertia > 0.0) {
   validate(spec_);
   validate(plant, spec_);
   const Hand& hand = hand_;
@@ -96,7 +96,7 @@ DeviceReading HandDevice::read(Nanoseconds now) noexcept {
 /// Returns the orientation, rounded to the encoder resolution. Rotations about different axes do
 /// not commute, so several rounds of rounding are necessary.
 Quaternion HandDevice::measured_orientation() noexcept {
-  const double quantum = spec_.rotational_resolution;
+  const double quantum = spec_.rotation.resolution;
   if (!(quantum > 0.0)) return orientation_;
   constexpr int kRounds = 4;
   for (int i = 0; i < kRounds; ++i) {
@@ -205,10 +205,10 @@ void HandDevice::turn(double until, double span, int steps) noexcept {
   const Quaternion target = turned(Quaternion::Identity(), intended_turn(until));
   const Vec3 intended_velocity = rotation_between(intended_orientation_, target) / span;
 
-  const double inertia = spec_.apparent_inertia + hand_.inertia;
+  const double inertia = spec_.rotation.inertia + hand_.inertia;
   const ImplicitDamping damped(spec_.rotational_damping, hand_.rotational_damping, h / inertia);
   // [rad/s] Largest change of the angular velocity by dry friction per step.
-  const double friction_impulse = spec_.rotational_friction * h / inertia;
+  const double friction_impulse = spec_.rotation.friction * h / inertia;
   for (int i = 0; i < steps; ++i) {
     intended_orientation_ = turned(intended_orientation_, h * intended_velocity);
     const Vec3 torque = torque_amplifier_ ? torque_amplifier_->mean(time_ + i * h, h) : torque_;
@@ -220,7 +220,7 @@ void HandDevice::turn(double until, double span, int steps) noexcept {
     orientation_ = turned(orientation_, h * angular_velocity_);
     rotation_.given += h * torque.dot(angular_velocity_);
     rotation_.burned += h * (spec_.rotational_damping.quadratic(angular_velocity_) +
-                             spec_.rotational_friction * angular_velocity_.lpNorm<1>());
+                             spec_.rotation.friction * angular_velocity_.lpNorm<1>());
   }
   intended_orientation_ = target;
 }

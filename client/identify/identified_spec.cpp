@@ -40,8 +40,8 @@ std::pair<LagKind, double> told_lag(double bound) {
 
 /// Writes the transmission, and what the fit assumes.
 void tell_transmission(SourcedSpec& known, const TransmissionFit& fit, const std::string& by) {
-  known.spec.transmission_stiffness = fit.stiffness_bound;
-  known.spec.encoder_side = fit.side;
+  known.spec.transmission.stiffness = fit.stiffness_bound;
+  known.spec.transmission.encoder_side = fit.side;
   known.tells_transmission = true;
   std::ostringstream text;
   text << ": lower bound; first resonance at " << fit.resonance << " Hz";
@@ -64,10 +64,10 @@ SourcedSpec reported_spec(SourcedSpec requested, const DeviceSpec& reported) {
     if (found == all.end()) return {.spec = reported, .sources = {}};
     requested = *found;
   }
-  if (!requested.tells_transmission && reported.transmission_stiffness > 0.0)
+  if (!requested.tells_transmission && reported.transmission.stiffness > 0.0)
     for (const char* field : {"transmission_stiffness", "encoder_side"})
       requested.sources[field] = kOfTheDriver;
-  if (!requested.tells_lag && reported.actuation_lag > 0.0)
+  if (!requested.tells_lag && reported.actuation.lag > 0.0)
     for (const char* field : {"actuation_lag", "actuation_kind"})
       requested.sources[field] = kOfTheDriver;
   requested.spec = reported;
@@ -98,10 +98,10 @@ SourcedSpec identified_spec(SourcedSpec known, const DeviceEstimate& found,
   known.sources["coulomb_friction"] = by;
   known.sources["least_friction"] = by + friction.str();
   known.sources["position_resolution"] = by + noise.str();
-  if (spec.late_ticks == 0 && found.lag_bound) {
+  if (spec.actuation.late_ticks == 0 && found.lag_bound) {
     const auto& [kind, lag] = told_lag(*found.lag_bound);
-    spec.actuation_lag = lag;
-    spec.actuation_kind = kind;
+    spec.actuation.lag = lag;
+    spec.actuation.kind = kind;
     std::ostringstream text;
     text << ": upper bound, of the reading too; estimate " << found.lag;
     known.sources["actuation_lag"] = by + text.str();
@@ -130,23 +130,24 @@ std::string device_file_text(const SourcedSpec& described) {
                                  {"least_friction", spec.least_friction},
                                  {"hand_force", spec.hand_force},
                                  {"hand_speed", spec.hand_speed},
-                                 {"late_ticks", spec.late_ticks}};
+                                 {"late_ticks", spec.actuation.late_ticks}};
   if (described.tells_lag) {
-    file["actuation_lag"] = spec.actuation_lag;
-    file["actuation_kind"] = kLagKindNames[static_cast<std::size_t>(spec.actuation_kind)];
+    file["actuation_lag"] = spec.actuation.lag;
+    file["actuation_kind"] = kLagKindNames[static_cast<std::size_t>(spec.actuation.kind)];
   }
   if (described.tells_transmission) {
-    file["transmission_stiffness"] = spec.transmission_stiffness;
-    file["encoder_side"] = kEncoderSideNames[static_cast<std::size_t>(spec.encoder_side)];
+    file["transmission_stiffness"] = spec.transmission.stiffness;
+    file["encoder_side"] =
+        kEncoderSideNames[static_cast<std::size_t>(spec.transmission.encoder_side)];
   }
   if (spec.rotation_actuated != 0) {
     file["rotational_damping"] = numbers(spec.rotational_damping);
     file["max_torque"] = spec.max_torque;
-    file["rotational_resolution"] = spec.rotational_resolution;
-    file["least_inertia"] = spec.least_inertia;
-    file["hand_torque"] = spec.hand_torque;
-    file["apparent_inertia"] = spec.apparent_inertia;
-    file["rotational_friction"] = spec.rotational_friction;
+    file["rotational_resolution"] = spec.rotation.resolution;
+    file["least_inertia"] = spec.rotation.least_inertia;
+    file["hand_torque"] = spec.rotation.hand_torque;
+    file["apparent_inertia"] = spec.rotation.inertia;
+    file["rotational_friction"] = spec.rotation.friction;
   }
   nlohmann::ordered_json sources = nlohmann::ordered_json::object();
   for (const auto& [field, source] : described.sources) sources[field] = source;

@@ -33,12 +33,13 @@ Json device(const std::string& kind, const DeviceSpec& spec) {
           {"rotation_actuated", spec.rotation_actuated},
           {"damping", damping(spec.damping)},
           {"max_force_n", number(spec.max_force)},
-          {"actuation_lag_s", number(spec.actuation_lag)},
-          {"late_ticks", spec.late_ticks},
-          {"transmission_n_per_m", spec.transmission_stiffness > 0.0
-                                       ? Json(number(spec.transmission_stiffness))
+          {"actuation_lag_s", number(spec.actuation.lag)},
+          {"late_ticks", spec.actuation.late_ticks},
+          {"transmission_n_per_m", spec.transmission.stiffness > 0.0
+                                       ? Json(number(spec.transmission.stiffness))
                                        : Json(nullptr)},
-          {"encoder_side", kEncoderSideNames[static_cast<std::size_t>(spec.encoder_side)]}};
+          {"encoder_side",
+           kEncoderSideNames[static_cast<std::size_t>(spec.transmission.encoder_side)]}};
 }
 
 Json safety(const SafetyLimits& s) {

@@ -69,11 +69,11 @@ class HandleAtRest {
 
 /// Returns the transmission of a simulated device with this specification.
 Plant::Transmission transmission_of(const DeviceSpec& spec) {
-  if (!(spec.transmission_stiffness > 0.0)) return {};
+  if (!(spec.transmission.stiffness > 0.0)) return {};
   const double handle = kHandleShare * spec.apparent_mass;
   const double reduced = handle * (1.0 - kHandleShare);
-  return {.stiffness = spec.transmission_stiffness,
-          .damping = 2.0 * kTransmissionDamping * std::sqrt(spec.transmission_stiffness * reduced),
+  return {.stiffness = spec.transmission.stiffness,
+          .damping = 2.0 * kTransmissionDamping * std::sqrt(spec.transmission.stiffness * reduced),
           .handle_mass = handle};
 }
 
@@ -101,13 +101,13 @@ SimulatedDevice pressed(const DeviceSpec& spec, double period, double wall, cons
   options.hand = hand;
   options.task.normal = Vec3::UnitY();
   options.plant.transmission = transmission_of(spec);
-  options.plant.encoder.side = spec.encoder_side;
+  options.plant.encoder.side = spec.transmission.encoder_side;
   options.task.depth = press_force(spec) * (1.0 / hand.stiffness + 1.0 / wall +
                                             1.0 / options.plant.transmission.stiffness);
   options.task.lead_in = kLeadIn;
   Plant::Amplifier& amplifier = options.plant.amplifier;
-  (spec.actuation_kind == LagKind::filter ? amplifier.lag : amplifier.delay) = spec.actuation_lag;
-  amplifier.delay += spec.late_ticks * period;
+  (spec.actuation.kind == LagKind::filter ? amplifier.lag : amplifier.delay) = spec.actuation.lag;
+  amplifier.delay += spec.actuation.late_ticks * period;
   return SimulatedDevice(options);
 }
 
@@ -121,7 +121,7 @@ std::optional<FirstPress> press(const DeviceSpec& spec, const SessionParameters&
   std::uniform_real_distribution<double> late(0.0, kLate * parameters.servo_period);
   const auto ticks = static_cast<std::int64_t>(kEnd / parameters.servo_period);
   HandleAtRest handle;
-  const bool at_motor = spec.encoder_side == EncoderSide::motor;
+  const bool at_motor = spec.transmission.encoder_side == EncoderSide::motor;
   for (std::int64_t n = 0; n < ticks; ++n) {
     if (n % kBetweenLooks == 0 && goes_on && !goes_on()) return std::nullopt;
     const double time = static_cast<double>(n) * parameters.servo_period;
@@ -193,7 +193,7 @@ std::optional<Rehearsal> rehearse(const DeviceSpec& told, const SessionParameter
   options.owed = 0.0;
   Rehearsal found;
   found.force = press_force(spec);
-  found.transmission = spec.transmission_stiffness;
+  found.transmission = spec.transmission.stiffness;
   found.mass_known = spec.least_mass > 0.0;
   const double usual = scene_stiffness > 0.0 ? scene_stiffness : kUsualWall;
   const std::optional<FirstPress> scene = worst(spec, parameters, options, usual, goes_on);

@@ -17,7 +17,7 @@ bool stands_still(const DeviceSpec& spec, const BoundingStep& step, const Comman
   if (length(held.force()) < kSmall && length(held.torque) < kSmallTorque) return false;
   constexpr double kSlow = 0.02, kTurnsSlowly = 0.5;  // [m/s], [rad/s] largest speeds at rest
   const double most = std::max(spec.position_resolution, kSlow * step.hold_time);
-  const double most_turn = std::max(spec.rotational_resolution, kTurnsSlowly * step.hold_time);
+  const double most_turn = std::max(spec.rotation.resolution, kTurnsSlowly * step.hold_time);
   return step.displacement.cwiseAbs().maxCoeff() <= (1.0 + 1e-9) * most &&
          step.rotation.cwiseAbs().maxCoeff() <= (1.0 + 1e-9) * most_turn;
 }
@@ -33,7 +33,7 @@ ForceLaw::ForceLaw(const DeviceSpec& spec, const SessionParameters& parameters,
       margin_(parameters.servo_period),
       owed_(std::max(0.0, options.owed)),
       debt_(owed_),
-      command_delay_(spec.late_ticks) {
+      command_delay_(spec.actuation.late_ticks) {
   if (law_.account) law_.account->begin_in_debt(owed_);
 }
 

@@ -240,7 +240,7 @@ HandReport Servo::report() const noexcept {
                                          .released = released_,
                                          .in_debt = overdraft() || is_debt(-owed()),
                                          .withholds_change = withholds_change(),
-                                         .on_time = spec_.late_ticks == 0});
+                                         .on_time = spec_.actuation.late_ticks == 0});
   report.has_account = account().has_value();
   report.balance = account() ? account()->balance() : 0.0;
   report.round_trip = replies_.round_trip();

@@ -9,7 +9,7 @@
 
 namespace feltwire {
 
-/// Of the device's readings.
+/// Counts of the device's readings.
 struct DeviceCounts {
   std::uint64_t faults = 0;            // readings or held forces that were faulty or not finite
   std::uint64_t jumps = 0;             // of these, readings that no hand can have moved to
@@ -18,7 +18,7 @@ struct DeviceCounts {
                                        // be felt, from the result of write()
 };
 
-/// Of the datagrams with samples, and of their replies.
+/// Counts of the datagrams with samples, and of their replies.
 struct ReplyCounts {
   std::uint64_t datagrams = 0;  // newest samples of a due datagram: ReplyIntake::sent()
   std::uint64_t answered = 0;   // replies that came, each sample once
@@ -32,7 +32,7 @@ struct ReplyCounts {
   Histogram round_trip;            // [ns] from the sample's reading to the reply's arrival
 };
 
-/// Of the local model. The ticks are counted by the source of their command.
+/// Counts of the local model. The ticks are counted by the source of their command.
 struct LocalModelCounts {
   std::uint64_t received = 0;      // models
   std::uint64_t whole = 0;         // of these, with a surface or solids that are here in full

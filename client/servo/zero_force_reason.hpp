@@ -60,7 +60,7 @@ std::string_view name(ZeroForceReason reason);
 /// The text for people: "touches nothing"; empty for `felt`.
 std::string_view text(ZeroForceReason reason);
 
-/// One command after each stage of its way to the hand.
+/// A command after each stage of its way to the hand.
 struct CommandTrail {
   Command asked{};     // the scene's command
   Command actuated{};  // the part that the device can give
@@ -90,7 +90,7 @@ struct SafetyTrail {
   bool waits = false, too_fast = false, ramped = false, slewed = false;
 };
 
-/// What happened to one command on its way to the hand in one tick.
+/// The way of one command to the hand in one tick.
 struct ForceTrail {
   bool observer = false, released = false, letting_go = false;
   bool law_change = false;  // the reason that the force fades

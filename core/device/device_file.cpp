@@ -143,17 +143,17 @@ SourcedSpec read_spec(std::string_view text, std::string file) {
       .least_friction = given.least_friction(),
       .hand_force = given.hand_force(),
       .hand_speed = given.hand_speed(),
-      .late_ticks = given.late_ticks(),
-      .actuation_lag = given.actuation_lag(),
-      .actuation_kind = lag_kind(document, given.actuation_kind()),
-      .transmission_stiffness = given.transmission_stiffness(),
-      .encoder_side = encoder_side(document, given.encoder_side()),
-      .rotational_resolution = given.rotational_resolution(),
-      .least_inertia =
-          least(document, "least_inertia", given.least_inertia(), given.least_inertia_matrix()),
-      .hand_torque = given.hand_torque(),
-      .apparent_inertia = given.apparent_inertia(),
-      .rotational_friction = given.rotational_friction()};
+      .actuation = {.late_ticks = given.late_ticks(),
+                    .lag = given.actuation_lag(),
+                    .kind = lag_kind(document, given.actuation_kind())},
+      .transmission = {.stiffness = given.transmission_stiffness(),
+                       .encoder_side = encoder_side(document, given.encoder_side())},
+      .rotation = {.resolution = given.rotational_resolution(),
+                   .least_inertia = least(document, "least_inertia", given.least_inertia(),
+                                          given.least_inertia_matrix()),
+                   .hand_torque = given.hand_torque(),
+                   .inertia = given.apparent_inertia(),
+                   .friction = given.rotational_friction()}};
   try {
     validate(spec);
   } catch (const DeviceSpecError& error) {

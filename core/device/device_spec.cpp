@@ -65,19 +65,19 @@ void validate(const DeviceSpec& spec) {
            "is more than rotation_sensed: a torque that is not measured cannot be bounded; "
            "set rotation_actuated to 0");
 
-  if (spec.late_ticks < 0 || spec.late_ticks > kMostLateTicks)
+  if (spec.actuation.late_ticks < 0 || spec.actuation.late_ticks > kMostLateTicks)
     refuse(spec, "late_ticks",
-           "is " + std::to_string(spec.late_ticks) +
+           "is " + std::to_string(spec.actuation.late_ticks) +
                "; give the ticks by which a force comes late, 0 to " +
                std::to_string(kMostLateTicks));
 
-  check_range(spec, "actuation_lag", spec.actuation_lag, kMaxLag, "s");
-  if (spec.actuation_lag > 0.0 && spec.late_ticks > 0)
+  check_range(spec, "actuation_lag", spec.actuation.lag, kMaxLag, "s");
+  if (spec.actuation.lag > 0.0 && spec.actuation.late_ticks > 0)
     refuse(spec, "actuation_lag",
            "stands beside late_ticks; give the whole time between write() and the motor's force as "
            "actuation_lag, and late_ticks 0");
 
-  check_range(spec, "transmission_stiffness", spec.transmission_stiffness, kMaxStiffness, "N/m");
+  check_range(spec, "transmission_stiffness", spec.transmission.stiffness, kMaxStiffness, "N/m");
   check_damping(spec, "damping", spec.damping, kMaxDamping, "N s/m");
   check_damping(spec, "rotational_damping", spec.rotational_damping, kMaxRotationalDamping,
                 "N m s/rad");
@@ -95,11 +95,11 @@ void validate(const DeviceSpec& spec) {
   check_range(spec, "least_friction", spec.least_friction, kMaxForce, "N");
   check_range(spec, "hand_force", spec.hand_force, kMaxForce, "N");
   check_range(spec, "hand_speed", spec.hand_speed, kMaxSpeed, "m/s");
-  check_range(spec, "rotational_resolution", spec.rotational_resolution, kMaxAngle, "rad");
-  check_range(spec, "least_inertia", spec.least_inertia, kMaxInertia, "kg m^2");
-  check_range(spec, "hand_torque", spec.hand_torque, kMaxTorque, "N m");
-  check_range(spec, "apparent_inertia", spec.apparent_inertia, kMaxInertia, "kg m^2");
-  check_range(spec, "rotational_friction", spec.rotational_friction, kMaxTorque, "N m");
+  check_range(spec, "rotational_resolution", spec.rotation.resolution, kMaxAngle, "rad");
+  check_range(spec, "least_inertia", spec.rotation.least_inertia, kMaxInertia, "kg m^2");
+  check_range(spec, "hand_torque", spec.rotation.hand_torque, kMaxTorque, "N m");
+  check_range(spec, "apparent_inertia", spec.rotation.inertia, kMaxInertia, "kg m^2");
+  check_range(spec, "rotational_friction", spec.rotation.friction, kMaxTorque, "N m");
 
   if (!(spec.max_force > 0.0)) refuse(spec, "max_force", "must be above zero [N]; give the peak");
   if (spec.continuous_force > spec.max_force)
@@ -110,11 +110,11 @@ void validate(const DeviceSpec& spec) {
   };
   below("least_mass", spec.least_mass, "apparent_mass", spec.apparent_mass);
   below("least_friction", spec.least_friction, "coulomb_friction", spec.coulomb_friction);
-  below("least_inertia", spec.least_inertia, "apparent_inertia", spec.apparent_inertia);
+  below("least_inertia", spec.rotation.least_inertia, "apparent_inertia", spec.rotation.inertia);
   if (!(spec.hand_force > 0.0))
     refuse(spec, "hand_force", "must be above zero [N]; 10 is more than most hands give");
-  if ((spec.least_inertia > 0.0) != (spec.hand_torque > 0.0))
-    refuse(spec, spec.least_inertia > 0.0 ? "hand_torque" : "least_inertia",
+  if ((spec.rotation.least_inertia > 0.0) != (spec.rotation.hand_torque > 0.0))
+    refuse(spec, spec.rotation.least_inertia > 0.0 ? "hand_torque" : "least_inertia",
            "is not given: the account needs least_inertia and hand_torque together, or neither");
   if (spec.rotation_actuated == 0 && spec.max_torque > 0.0)
     refuse(spec, "max_torque", "must be 0 where rotation_actuated is 0; set either");

@@ -23,6 +23,31 @@ inline constexpr std::array<std::string_view, 3> kLagKindNames = {"delay", "filt
 enum class EncoderSide : std::uint8_t { motor, handle };
 inline constexpr std::array<std::string_view, 2> kEncoderSideNames = {"motor", "handle"};
 
+/// How late a written force comes on the hand: by ticks or by a time, not by both.
+struct ActuationSpec {
+  int late_ticks = 0;
+  double lag = 0.0;  // L [s] upper bound of the time by which the motor's force follows write();
+                     // 0: none is told
+  LagKind kind = LagKind::delay;
+};
+
+/// Between motor and handle. No bound uses it: it says what of a wall the hand can feel.
+struct TransmissionSpec {
+  double stiffness = 0.0;                         // k_t [N/m] lower bound; 0: rigid, or not known
+  EncoderSide encoder_side = EncoderSide::motor;  // the bounds hold at the motor alone
+};
+
+/// The numbers of a DeviceSpec for rotation.
+struct RotationSpec {
+  double resolution = 0.0;     // [rad] encoder quantum about each world axis
+  double least_inertia = 0.0;  // [kg m^2] lower bound of the apparent inertia about every axis, the
+                               // least eigenvalue of its matrix; 0: not known
+  double hand_torque = 0.0;    // [N m] upper bound of the torque from outside; 0: not known
+  // For a simulated device. The account does not use them.
+  double inertia = 0.0;   // [kg m^2] at the tool, the same about every axis
+  double friction = 0.0;  // [N m] dry friction about each world axis
+};
+
 /// Limits and physics of one device. The files of the built-in devices (core/device/*.json) have
 /// the source of each number.
 struct DeviceSpec {
@@ -47,24 +72,12 @@ struct DeviceSpec {
   double hand_force = 10.0;     // [N] upper bound of the force from outside: of the hand, and of
                                 // gravity that is not compensated
   double hand_speed = 0.0;      // [m/s] upper bound of the handle's speed; 0: not known
-  int late_ticks = 0;           // by which a force that is written comes on the hand late
-  double actuation_lag = 0.0;   // L [s] upper bound of the time by which the motor's force follows
-                                // write(); 0: none is told. Instead of late_ticks, not beside it
-  LagKind actuation_kind = LagKind::delay;
-  // Between motor and handle. No bound uses it: it says what of a wall the hand can feel.
-  double transmission_stiffness = 0.0;            // k_t [N/m] lower bound; 0: rigid, or not known
-  EncoderSide encoder_side = EncoderSide::motor;  // the bounds hold at the motor alone
-  // These fields repeat the ones above for rotation.
-  double rotational_resolution = 0.0;  // [rad] encoder quantum about each world axis
-  double least_inertia = 0.0;  // [kg m^2] lower bound of the apparent inertia about every axis, the
-                               // least eigenvalue of its matrix; 0: not known
-  double hand_torque = 0.0;    // [N m] upper bound of the torque from outside; 0: not known
-  // Rotational properties of a simulated device. The account does not use them.
-  double apparent_inertia = 0.0;     // [kg m^2] at the tool, the same about every axis
-  double rotational_friction = 0.0;  // [N m] dry friction about each world axis
+  ActuationSpec actuation{};
+  TransmissionSpec transmission{};
+  RotationSpec rotation{};
 };
 
-/// The most that DeviceSpec::late_ticks can be.
+/// The most that ActuationSpec::late_ticks can be.
 inline constexpr int kMostLateTicks = 4;
 
 /// A number of a specification that is not finite, negative or contradictory: what() names the

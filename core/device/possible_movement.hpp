@@ -38,11 +38,13 @@ inline MovementBounds rotation_bounds(const DeviceSpec& spec) noexcept {
   constexpr double kPull = 1e4;                      // [rad/s^2]
   constexpr double kSeldom = 0.1;                    // [rad]
   const double light =
-      spec.least_inertia > 0.0 ? (spec.max_torque + spec.hand_torque) / spec.least_inertia : 0.0;
+      spec.rotation.least_inertia > 0.0
+          ? (spec.max_torque + spec.rotation.hand_torque) / spec.rotation.least_inertia
+          : 0.0;
   return {.fastest = kFastest,
           .knock = kKnock,
           .pull = std::max(kPull, light),
-          .error = std::sqrt(3.0) * spec.rotational_resolution +
+          .error = std::sqrt(3.0) * spec.rotation.resolution +
                    (spec.rotation_actuated > 0 ? 0.0 : kSeldom)};
 }
 

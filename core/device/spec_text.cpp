@@ -41,6 +41,14 @@ std::function<std::string(const DeviceSpec&)> number(Value DeviceSpec::*member) 
   return [member](const DeviceSpec& spec) { return short_text(static_cast<double>(spec.*member)); };
 }
 
+template <class Group, class Value>
+std::function<std::string(const DeviceSpec&)> number(Group DeviceSpec::*group,
+                                                     Value Group::*member) {
+  return [group, member](const DeviceSpec& spec) {
+    return short_text(static_cast<double>(spec.*group.*member));
+  };
+}
+
 const std::vector<Number>& numbers() {
   static const std::vector<Number> list = {
       {"translation_dof", "", false, number(&DeviceSpec::translation_dof)},
@@ -60,26 +68,31 @@ const std::vector<Number>& numbers() {
       {"workspace", "m", false, [](const DeviceSpec& s) { return listed(s.workspace); }},
       {"hand_force", "N", false, number(&DeviceSpec::hand_force)},
       {"hand_speed", "m/s", false, number(&DeviceSpec::hand_speed)},
-      {"late_ticks", "", false, number(&DeviceSpec::late_ticks)},
-      {"actuation_lag", "s", true, number(&DeviceSpec::actuation_lag)},
+      {"late_ticks", "", false, number(&DeviceSpec::actuation, &ActuationSpec::late_ticks)},
+      {"actuation_lag", "s", true, number(&DeviceSpec::actuation, &ActuationSpec::lag)},
       {"actuation_kind", "", false,
        [](const DeviceSpec& s) {
-         return s.actuation_lag > 0.0
-                    ? std::string(kLagKindNames[static_cast<std::size_t>(s.actuation_kind)])
+         return s.actuation.lag > 0.0
+                    ? std::string(kLagKindNames[static_cast<std::size_t>(s.actuation.kind)])
                     : std::string("0");
        }},
-      {"transmission_stiffness", "N/m", true, number(&DeviceSpec::transmission_stiffness)},
+      {"transmission_stiffness", "N/m", true,
+       number(&DeviceSpec::transmission, &TransmissionSpec::stiffness)},
       {"encoder_side", "", false,
        [](const DeviceSpec& s) {
-         const bool told = s.transmission_stiffness > 0.0 || s.encoder_side == EncoderSide::handle;
-         return told ? std::string(kEncoderSideNames[static_cast<std::size_t>(s.encoder_side)])
+         const bool told =
+             s.transmission.stiffness > 0.0 || s.transmission.encoder_side == EncoderSide::handle;
+         return told ? std::string(
+                           kEncoderSideNames[static_cast<std::size_t>(s.transmission.encoder_side)])
                      : std::string("0");
        }},
-      {"rotational_resolution", "rad", false, number(&DeviceSpec::rotational_resolution)},
-      {"least_inertia", "kg m^2", true, number(&DeviceSpec::least_inertia)},
-      {"hand_torque", "N m", false, number(&DeviceSpec::hand_torque)},
-      {"apparent_inertia", "kg m^2", false, number(&DeviceSpec::apparent_inertia)},
-      {"rotational_friction", "N m", false, number(&DeviceSpec::rotational_friction)},
+      {"rotational_resolution", "rad", false,
+       number(&DeviceSpec::rotation, &RotationSpec::resolution)},
+      {"least_inertia", "kg m^2", true,
+       number(&DeviceSpec::rotation, &RotationSpec::least_inertia)},
+      {"hand_torque", "N m", false, number(&DeviceSpec::rotation, &RotationSpec::hand_torque)},
+      {"apparent_inertia", "kg m^2", false, number(&DeviceSpec::rotation, &RotationSpec::inertia)},
+      {"rotational_friction", "N m", false, number(&DeviceSpec::rotation, &RotationSpec::friction)},
   };
   return list;
 }
@@ -118,7 +131,7 @@ std::vector<std::string> assumptions(const SourcedSpec& described) {
                    (says_for ? "give yours as " + std::string(number.field) + " in a device file"
                              : std::string("measure yours with feltwire-client identify")));
   }
-  if (described.spec.encoder_side == EncoderSide::handle)
+  if (described.spec.transmission.encoder_side == EncoderSide::handle)
     said.push_back(
         "the encoder is at the handle; the energy bounds hold for an encoder at the motor, so the "
         "motor may give energy that no account sees");

@@ -133,7 +133,7 @@ BoundingConfig bounding_config(const SessionParameters& p, const DeviceSpec& dev
   config.projection = p.projection;
   config.storage = p.storage;
   config.period = p.servo_period;
-  config.lag = device.actuation_lag;
+  config.lag = device.actuation.lag;
   config.damping = device.damping;
   if (!method.shapes)
     config.damping += p.operator_damping;

@@ -74,7 +74,7 @@ struct ServerTimes {
   Nanoseconds received{0}, sent{0};
 };
 
-/// What the server's bound did to the command of a reply.
+/// The changes that the server's bound made to the command of a reply.
 struct ServerBound {
   double ratio = 1.0;  // |rendered| / |commanded|, float32 on the wire
   bool active = false, saturated = false, refused = false;

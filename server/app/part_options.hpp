@@ -11,16 +11,16 @@ namespace feltwire {
 
 // Precondition of all: the configuration is valid.
 
-/// Of the control endpoint, without its port.
+/// For the control endpoint, without its port.
 ControlOptions control_options(const ServerConfig& config);
 
-/// Of the requests that the control service answers.
+/// For the requests that the control service answers.
 ServiceLimits service_limits(const ServerConfig& config);
 
-/// Of each scene's host, without its socket.
+/// For each scene's host, without its socket.
 SceneHostOptions host_options(const ServerConfig& config);
 
-/// Of the files about the scenes.
+/// For the files about the scenes.
 RecorderOptions recorder_options(const ServerConfig& config);
 
 }  // namespace feltwire

@@ -60,7 +60,7 @@ struct ObserverProgress {
   std::uint8_t seat = 0;  // of the robot in its last view
 };
 
-/// What a hand has to answer for in the simulation of a scene.
+/// The resets of a simulation for which a hand is blamed.
 struct ResetBlame {
   // Resets of the world for which it may still be blamed.
   TokenBucket resets{SessionLimits::kResets / SessionLimits::kResetTime, SessionLimits::kResets};

@@ -71,7 +71,7 @@ Damping damping_of(const std::vector<double>& n) {
 void take_device(const DeviceSpec& device, BoundingConfig& config) {
   config.damping = device.damping;
   config.quantum = device.position_resolution;
-  config.lag = device.actuation_lag;
+  config.lag = device.actuation.lag;
   config.max_force = std::min(config.max_force, device.max_force);
   config.rotation = device.rotation_actuated > 0;
   if (!config.rotation) return;

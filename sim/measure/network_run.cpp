@@ -29,7 +29,7 @@ class TruePort {
       : device_(make(options)),
         period_(options.parameters.servo_period),
         friction_(options.hand.spec.coulomb_friction),
-        rotational_friction_(options.hand.spec.rotational_friction) {}
+        rotational_friction_(options.hand.spec.rotation.friction) {}
 
   Device& device() {
     return std::visit([](auto& device) -> Device& { return device; }, device_);

@@ -131,8 +131,7 @@ SixDofEnergy energy_made(const DeviceSpec& spec, const std::vector<SixDofSample>
     const Vec3 turned = rotation_between(before.orientation, s.pose.orientation);
     real += s.held.force().dot(moved) + s.held.torque.dot(turned) -
             (spec.damping.quadratic(moved) + spec.rotational_damping.quadratic(turned)) / period -
-            spec.coulomb_friction * moved.lpNorm<1>() -
-            spec.rotational_friction * turned.lpNorm<1>();
+            spec.coulomb_friction * moved.lpNorm<1>() - spec.rotation.friction * turned.lpNorm<1>();
     before = s.pose;
     most = std::max(most, real);
   }

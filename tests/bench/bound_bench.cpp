@@ -69,9 +69,9 @@ DeviceSpec known_device(int dof) {
   if (dof < 6) return spec;
   spec.rotation_actuated = 3;
   spec.rotational_damping = 1e-3;
-  spec.rotational_resolution = 1e-4;
-  spec.least_inertia = 1e-4;
-  spec.hand_torque = 0.5;
+  spec.rotation.resolution = 1e-4;
+  spec.rotation.least_inertia = 1e-4;
+  spec.rotation.hand_torque = 0.5;
   spec.max_torque = 0.5;
   return spec;
 }

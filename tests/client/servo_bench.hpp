@@ -43,7 +43,7 @@ inline DeviceReading surely_at(double x, double y, double z) {
 /// The usual device without a known mass; the account then counts on none.
 inline DeviceSpec without_known_mass(const std::string& device = "simulated") {
   DeviceSpec spec = builtin_device(device);
-  spec.least_mass = spec.least_inertia = spec.hand_torque = 0.0;
+  spec.least_mass = spec.rotation.least_inertia = spec.rotation.hand_torque = 0.0;
   return spec;
 }
 

@@ -34,8 +34,8 @@ TEST(AssumedLag, IsThatOfTheConnectionAndSaysSo) {
        {kMappedConnection, kUsbConnection, kFullSpeedUsbConnection, kUnknownConnection}) {
     SourcedSpec described = file_with("");
     assume_lag(described, connection);
-    EXPECT_EQ(described.spec.actuation_lag, connection.lag);
-    EXPECT_EQ(described.spec.actuation_kind, LagKind::delay);
+    EXPECT_EQ(described.spec.actuation.lag, connection.lag);
+    EXPECT_EQ(described.spec.actuation.kind, LagKind::delay);
     EXPECT_THAT(described.sources.at("actuation_lag"), ::testing::StartsWith("assumption"));
     EXPECT_THAT(assumptions(described),
                 Contains(AllOf(HasSubstr("actuation_lag 0.00"),
@@ -57,20 +57,20 @@ TEST(AssumedLag, ASpecificationThatTellsItStaysAsItIs) {
     EXPECT_EQ(described.sources.count("actuation_lag"), 0u) << fields;
     return described.spec;
   };
-  EXPECT_EQ(assumed(R"(, "actuation_lag": 0)").actuation_lag, 0.0);
+  EXPECT_EQ(assumed(R"(, "actuation_lag": 0)").actuation.lag, 0.0);
   const DeviceSpec told = assumed(R"(, "actuation_lag": 2e-4, "actuation_kind": "filter")");
-  EXPECT_EQ(told.actuation_lag, 2e-4);
-  EXPECT_EQ(told.actuation_kind, LagKind::filter);
+  EXPECT_EQ(told.actuation.lag, 2e-4);
+  EXPECT_EQ(told.actuation.kind, LagKind::filter);
   const DeviceSpec late = assumed(R"(, "late_ticks": 1)");
-  EXPECT_EQ(late.actuation_lag, 0.0);
-  EXPECT_EQ(late.late_ticks, 1);
+  EXPECT_EQ(late.actuation.lag, 0.0);
+  EXPECT_EQ(late.actuation.late_ticks, 1);
 }
 
 /// identify writes late_ticks 0, but a force may still be late within its tick.
 TEST(AssumedLag, NoLateTicksSayNothingOfIt) {
   SourcedSpec described = file_with(R"(, "late_ticks": 0)");
   assume_lag(described, kUsbConnection);
-  EXPECT_EQ(described.spec.actuation_lag, kUsbConnection.lag);
+  EXPECT_EQ(described.spec.actuation.lag, kUsbConnection.lag);
 }
 
 /// A simulated device has exactly its specification, and a gamepad has no motor.
@@ -79,9 +79,9 @@ TEST(AssumedLag, NothingIsAssumedOfASimulatedDevice) {
     DeviceRequest request;
     request.spec.name_or_file = spec;
     const OpenedDevice opened = chosen_driver("simulated").driver->open(request);
-    EXPECT_EQ(opened.device->spec().actuation_lag, 0.0) << spec;
+    EXPECT_EQ(opened.device->spec().actuation.lag, 0.0) << spec;
     EXPECT_THAT(opened.notes, Not(Contains(HasSubstr("actuation_lag")))) << spec;
-    EXPECT_EQ(opened.device->spec().transmission_stiffness, 0.0) << spec;
+    EXPECT_EQ(opened.device->spec().transmission.stiffness, 0.0) << spec;
   }
 }
 
@@ -90,8 +90,8 @@ TEST(AssumedTransmission, IsThatOfTheDriveAndSaysSo) {
   for (const Drive& drive : {kCableDrive, kSmallCableDrive, kUnknownDrive}) {
     SourcedSpec described = file_with("");
     assume_transmission(described, drive);
-    EXPECT_EQ(described.spec.transmission_stiffness, drive.stiffness);
-    EXPECT_EQ(described.spec.encoder_side, EncoderSide::motor);
+    EXPECT_EQ(described.spec.transmission.stiffness, drive.stiffness);
+    EXPECT_EQ(described.spec.transmission.encoder_side, EncoderSide::motor);
     EXPECT_THAT(
         assumptions(described),
         Contains(AllOf(HasSubstr("transmission_stiffness"),
@@ -106,7 +106,7 @@ TEST(AssumedTransmission, ASpecificationThatTellsItStaysAsItIs) {
     SourcedSpec described = file_with(fields);
     assume_transmission(described, kCableDrive);
     EXPECT_EQ(described.sources.count("transmission_stiffness"), 0u) << fields;
-    return described.spec.transmission_stiffness;
+    return described.spec.transmission.stiffness;
   };
   EXPECT_EQ(assumed(R"(, "transmission_stiffness": 9e3)"), 9e3);
   EXPECT_EQ(assumed(R"(, "transmission_stiffness": 0)"), 0.0);

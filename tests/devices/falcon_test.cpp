@@ -109,7 +109,8 @@ TEST_F(Falcon, SaysWhatItIs) {
   const OpenedDevice opened = open();
   EXPECT_EQ(opened.device->spec().name, "falcon");
   EXPECT_EQ(opened.device->spec().max_force, 8.0);
-  EXPECT_EQ(opened.device->spec().late_ticks, 1);  // A force acts from the next answer on.
+  EXPECT_EQ(opened.device->spec().actuation.late_ticks,
+            1);  // A force acts from the next answer on.
   EXPECT_GE(opened.device->longest_tick(), std::chrono::microseconds(1250));
   EXPECT_EQ(stand_in->loads, 0);  // The firmware already ran.
   EXPECT_THAT(opened.notes, Contains(HasSubstr("not calibrated")));

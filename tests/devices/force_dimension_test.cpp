@@ -53,7 +53,7 @@ TEST_F(ForceDimension, AWristWithMotorsIsGivenTorque) {
   stand_in->system = "lambda.9";
   const OpenedDevice other = open();
   EXPECT_EQ(other.device->spec().rotation_actuated, 3);
-  EXPECT_EQ(other.device->spec().least_inertia, 0.0);
+  EXPECT_EQ(other.device->spec().rotation.least_inertia, 0.0);
   EXPECT_THAT(other.notes,
               Contains(HasSubstr("rotational_damping 0.0005 N m s/rad is an assumption")));
   stand_in->active_wrist = false;
@@ -82,14 +82,14 @@ TEST_F(ForceDimension, OtherModelsPromiseLess) {
 }
 
 TEST_F(ForceDimension, TheLagOfItsBusIsAssumed) {
-  EXPECT_EQ(open().device->spec().actuation_lag, 0.5e-3);
+  EXPECT_EQ(open().device->spec().actuation.lag, 0.5e-3);
   EXPECT_THAT(open().notes,
               Contains(HasSubstr("actuation_lag 0.0005 s is an assumption for USB; ")));
   // Under the maker's library, a Falcon has no late ticks but a slow bus.
   stand_in->system = "Falcon";
   const OpenedDevice falcon = open();
-  EXPECT_EQ(falcon.device->spec().late_ticks, 0);
-  EXPECT_EQ(falcon.device->spec().actuation_lag, 1.5e-3);
+  EXPECT_EQ(falcon.device->spec().actuation.late_ticks, 0);
+  EXPECT_EQ(falcon.device->spec().actuation.lag, 1.5e-3);
 }
 
 TEST_F(ForceDimension, WhatIsMissingIsSaid) {

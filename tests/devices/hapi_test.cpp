@@ -81,7 +81,7 @@ TEST_F(Hapi, SaysWhatItIs) {
   request.name = board.port();
   const OpenedDevice opened = open_hapi(request);
   EXPECT_EQ(opened.device->spec().name, "hapi_2dof");
-  EXPECT_EQ(opened.device->spec().late_ticks, 1);
+  EXPECT_EQ(opened.device->spec().actuation.late_ticks, 1);
   EXPECT_EQ(opened.device->spec().translation_dof, 2);
   EXPECT_GE(opened.device->longest_tick(), std::chrono::microseconds(1250));
   EXPECT_EQ(board.offset, 180.0);

@@ -86,7 +86,7 @@ TEST_P(HaplyDialect, SaysWhatItIs) {
   request.name = "@" + std::to_string(service.port());
   const OpenedDevice opened = open_haply(request);
   EXPECT_EQ(opened.device->spec().name, "inverse3");
-  EXPECT_EQ(opened.device->spec().late_ticks, 1);
+  EXPECT_EQ(opened.device->spec().actuation.late_ticks, 1);
   EXPECT_GE(opened.device->longest_tick(), std::chrono::microseconds(1250));
   EXPECT_THAT(opened.notes, Contains(HasSubstr("damping 0.05 N s/m is an assumption")));
   EXPECT_THAT(opened.notes, Contains(HasSubstr("first of 2 devices")));

@@ -36,7 +36,7 @@ TEST(LockStep, ItsForcesAreOneTickLateAndItHasNoRotation) {
   const DeviceSpec all = builtin_device("sigma.7");
   ASSERT_NE(all.rotation_actuated, 0);
   const Obedient device("sigma.7");
-  EXPECT_EQ(device.spec().late_ticks, 1);
+  EXPECT_EQ(device.spec().actuation.late_ticks, 1);
   EXPECT_EQ(device.spec().rotation_sensed, 0);
   EXPECT_EQ(device.spec().rotation_actuated, 0);
   EXPECT_EQ(device.spec().max_torque, 0.0);
@@ -46,9 +46,9 @@ TEST(LockStep, ItsForcesAreOneTickLateAndItHasNoRotation) {
 /// The account covers a force that is a tick late, but not an additional lag.
 TEST(LockStep, ALagBesideItsLateTickIsRefused) {
   DeviceSpec spec = builtin_device("falcon");
-  EXPECT_EQ(Obedient(spec).spec().actuation_lag, 0.0);
-  spec.late_ticks = 0;
-  spec.actuation_lag = 2e-3;
+  EXPECT_EQ(Obedient(spec).spec().actuation.lag, 0.0);
+  spec.actuation.late_ticks = 0;
+  spec.actuation.lag = 2e-3;
   try {
     Obedient device(spec);
     FAIL() << "both were taken";

@@ -25,7 +25,7 @@ inline Vec3 vec(const stand_in::Three& v) { return {v[0], v[1], v[2]}; }
 class Handle final : public Device {
  public:
   explicit Handle(std::size_t lag_ticks = 0, bool tells = true) : lag(lag_ticks) {
-    spec_.late_ticks = tells ? static_cast<int>(lag) : 0;
+    spec_.actuation.late_ticks = tells ? static_cast<int>(lag) : 0;
     spec_.name = "handle";
     spec_.damping = mass.damping;
     spec_.apparent_mass = spec_.least_mass = mass.mass;

@@ -109,13 +109,13 @@ TEST_F(OpenHaptics, IsOpenedByDefaultOrByName) {
 }
 
 TEST_F(OpenHaptics, TheLagOfItsConnectionIsAssumed) {
-  EXPECT_EQ(open().device->spec().actuation_lag, 0.5e-3);
+  EXPECT_EQ(open().device->spec().actuation.lag, 0.5e-3);
   EXPECT_THAT(open().notes, Contains(HasSubstr("s is an assumption for USB; ")));
   stand_in->model = "Premium 1.5";
-  EXPECT_EQ(open().device->spec().actuation_lag, 0.3e-3);
+  EXPECT_EQ(open().device->spec().actuation.lag, 0.3e-3);
   EXPECT_THAT(open().notes, Contains(HasSubstr("s is an assumption for PCI or a parallel port; ")));
   stand_in->model = "Desktop";
-  EXPECT_EQ(open().device->spec().actuation_lag, 0.5e-3);
+  EXPECT_EQ(open().device->spec().actuation.lag, 0.5e-3);
 }
 
 TEST_F(OpenHaptics, WhatIsMissingIsSaid) {

@@ -56,7 +56,7 @@ TEST_F(Plugin, SaysWhatItIs) {
   EXPECT_EQ(opened.device->spec().hand_force, 10.0);
   EXPECT_EQ(opened.device->longest_tick(), std::chrono::milliseconds(1));
   // The plugin does not report the lag of its motors.
-  EXPECT_EQ(opened.device->spec().actuation_lag, 0.5e-3);
+  EXPECT_EQ(opened.device->spec().actuation.lag, 0.5e-3);
   EXPECT_THAT(
       opened.notes,
       ::testing::ElementsAre(
@@ -79,8 +79,8 @@ TEST_F(Plugin, TellsLatenessButtonsAndLever) {
   stand_in->stiffness = 0.0;
   const OpenedDevice opened = open();
   Device& device = *opened.device;
-  EXPECT_EQ(device.spec().late_ticks, 2);
-  EXPECT_EQ(device.spec().actuation_lag, 0.0);
+  EXPECT_EQ(device.spec().actuation.late_ticks, 2);
+  EXPECT_EQ(device.spec().actuation.lag, 0.0);
   EXPECT_THAT(opened.notes, IsEmpty());
   const auto read = [&] {
     device.await_tick(Nanoseconds(0));
@@ -107,8 +107,8 @@ TEST_F(Plugin, TellsHowLateItsMotorsFollow) {
   for (const LagKind kind : {LagKind::delay, LagKind::filter, LagKind::mixed}) {
     stand_in->lag_kind = static_cast<int>(kind);
     const OpenedDevice opened = open();
-    EXPECT_EQ(opened.device->spec().actuation_lag, 2e-4);
-    EXPECT_EQ(opened.device->spec().actuation_kind, kind);
+    EXPECT_EQ(opened.device->spec().actuation.lag, 2e-4);
+    EXPECT_EQ(opened.device->spec().actuation.kind, kind);
     EXPECT_THAT(opened.notes, IsEmpty());
   }
   stand_in->source = nullptr;
@@ -120,18 +120,18 @@ TEST_F(Plugin, TellsHowLateItsMotorsFollow) {
   stand_in->lag = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(refusal(), HasSubstr("actuation_lag"));
   stand_in->lag = 0.0;
-  EXPECT_EQ(open().device->spec().actuation_lag, 0.0);
+  EXPECT_EQ(open().device->spec().actuation.lag, 0.0);
 }
 
 TEST_F(Plugin, TellsWhatStandsBeforeItsHandle) {
   stand_in->lag = 0.0;
   stand_in->stiffness = 8e3;
   const OpenedDevice opened = open();
-  EXPECT_EQ(opened.device->spec().transmission_stiffness, 8e3);
-  EXPECT_EQ(opened.device->spec().encoder_side, EncoderSide::motor);
+  EXPECT_EQ(opened.device->spec().transmission.stiffness, 8e3);
+  EXPECT_EQ(opened.device->spec().transmission.encoder_side, EncoderSide::motor);
   EXPECT_THAT(opened.notes, IsEmpty());
   stand_in->encoder_side = 1;
-  EXPECT_EQ(open().device->spec().encoder_side, EncoderSide::handle);
+  EXPECT_EQ(open().device->spec().transmission.encoder_side, EncoderSide::handle);
   EXPECT_THAT(open().notes, ::testing::ElementsAre(HasSubstr("the encoder is at the handle")));
   stand_in->encoder_side = 2;
   EXPECT_THAT(refusal(), HasSubstr("the encoder's side 2; set FELTWIRE_ENCODER_MOTOR"));
@@ -139,9 +139,9 @@ TEST_F(Plugin, TellsWhatStandsBeforeItsHandle) {
   stand_in->stiffness = 2e9;
   EXPECT_THAT(refusal(), HasSubstr("transmission_stiffness"));
   stand_in->stiffness = 0.0;  // It tells that it is rigid.
-  EXPECT_EQ(open().device->spec().transmission_stiffness, 0.0);
+  EXPECT_EQ(open().device->spec().transmission.stiffness, 0.0);
   stand_in->stiffness = -1.0;
-  EXPECT_EQ(open().device->spec().transmission_stiffness, 3e3);
+  EXPECT_EQ(open().device->spec().transmission.stiffness, 3e3);
 }
 
 /// The header got these functions later, one after the other.
@@ -149,10 +149,10 @@ TEST_F(Plugin, OfAnOlderHeaderIsLoaded) {
   stand_in->lag = 2e-4;
   stand_in->stiffness = 8e3;
   stand_in->missing_bytes = sizeof(void*);
-  EXPECT_EQ(open().device->spec().actuation_lag, 2e-4);
-  EXPECT_EQ(open().device->spec().transmission_stiffness, 3e3);
+  EXPECT_EQ(open().device->spec().actuation.lag, 2e-4);
+  EXPECT_EQ(open().device->spec().transmission.stiffness, 3e3);
   stand_in->missing_bytes += sizeof(void*);
-  EXPECT_EQ(open().device->spec().actuation_lag, 0.5e-3);
+  EXPECT_EQ(open().device->spec().actuation.lag, 0.5e-3);
   stand_in->missing_bytes += 1;
   EXPECT_THAT(refusal(), HasSubstr("set size to sizeof(feltwire_device_v1)"));
 }

@@ -35,7 +35,7 @@ void add_torque(SourcedSpec& described) {
   spec.rotation_actuated = sigma.spec.rotation_actuated;
   spec.rotational_damping = sigma.spec.rotational_damping;
   spec.max_torque = sigma.spec.max_torque;
-  spec.rotational_resolution = sigma.spec.rotational_resolution;
+  spec.rotation.resolution = sigma.spec.rotation.resolution;
   described.sources["rotation_actuated"] = "the device";
   for (const char* field : {"rotational_damping", "max_torque", "rotational_resolution"})
     described.sources[field] = "assumption: as the sigma.7";
@@ -55,7 +55,7 @@ SourcedSpec model(const std::string& name, bool wrist, bool torque) {
   SourcedSpec described = sourced_spec(file != nullptr ? file : "lambda.7");
   DeviceSpec& spec = described.spec;
   spec.name = name;
-  spec.late_ticks = 0;  // only the driver in falcon.cpp applies forces one tick late
+  spec.actuation.late_ticks = 0;  // only the driver in falcon.cpp applies forces one tick late
   described.sources.erase("late_ticks");
   spec.rotation_sensed = wrist ? 3 : 0;
   described.sources["rotation_sensed"] = "the device";

@@ -90,10 +90,10 @@ DeviceSpec spec_of(const feltwire_spec_v1& given) {
       .least_friction = given.least_friction,
       .hand_force = given.hand_force,
       .hand_speed = given.hand_speed,
-      .late_ticks = given.late_ticks,
-      .rotational_resolution = given.rotational_resolution,
-      .least_inertia = given.least_inertia,
-      .hand_torque = given.hand_torque};
+      .actuation = {.late_ticks = given.late_ticks},
+      .rotation = {.resolution = given.rotational_resolution,
+                   .least_inertia = given.least_inertia,
+                   .hand_torque = given.hand_torque}};
 }
 
 SpecSources sources_of(const feltwire_spec_v1& given) {
@@ -121,8 +121,8 @@ void tell_lag(const fs::path& file, const feltwire_device_v1& table, void* devic
   if (kind < 0 || kind >= static_cast<std::int32_t>(kKinds.size()))
     refuse(file, "actuation_lag() sets the kind " + std::to_string(kind) +
                      "; set FELTWIRE_LAG_DELAY, FELTWIRE_LAG_FILTER or FELTWIRE_LAG_MIXED");
-  described.spec.actuation_lag = lag;
-  described.spec.actuation_kind = kKinds[static_cast<std::size_t>(kind)];
+  described.spec.actuation.lag = lag;
+  described.spec.actuation.kind = kKinds[static_cast<std::size_t>(kind)];
   described.tells_lag = true;
   described.sources["actuation_lag"] = source;
 }
@@ -137,8 +137,8 @@ void tell_transmission(const fs::path& file, const feltwire_device_v1& table, vo
   if (side != FELTWIRE_ENCODER_MOTOR && side != FELTWIRE_ENCODER_HANDLE)
     refuse(file, "transmission() sets the encoder's side " + std::to_string(side) +
                      "; set FELTWIRE_ENCODER_MOTOR or FELTWIRE_ENCODER_HANDLE");
-  described.spec.transmission_stiffness = stiffness;
-  described.spec.encoder_side =
+  described.spec.transmission.stiffness = stiffness;
+  described.spec.transmission.encoder_side =
       side == FELTWIRE_ENCODER_HANDLE ? EncoderSide::handle : EncoderSide::motor;
   described.tells_transmission = true;
   described.sources["transmission_stiffness"] = source;

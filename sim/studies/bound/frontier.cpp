@@ -116,8 +116,8 @@ ExperimentSetup setup_of(const FrontierCase& c, const CompareTask& task) {
   spec.hand_force = c.hand_force;
   spec.position_resolution = c.device.quantum;
   spec.max_force = spec.continuous_force = c.device.max_force;
-  spec.actuation_lag = c.told.time;
-  spec.actuation_kind = c.told.kind;
+  spec.actuation.lag = c.told.time;
+  spec.actuation.kind = c.told.kind;
   setup.hand.hand = c.hand.hand;
   if (c.plant) setup.hand.plant = *c.plant;
   setup.hand.task = task.hand;

@@ -155,8 +155,8 @@ double paid_share(const JudgedBar& bar) {
   spec.least_friction = kFrictionKnown * c.device.friction;
   spec.position_resolution = c.device.quantum;
   spec.hand_force = c.hand_force;
-  spec.actuation_lag = bar.lag;
-  spec.actuation_kind = LagKind::filter;
+  spec.actuation.lag = bar.lag;
+  spec.actuation.kind = LagKind::filter;
   const double needed =
       need_at_rest(account_config(spec, kJudgedPeriod), {.elastic = Vec3(0.0, kPressed, 0.0)});
   // A path in space is certainly a third of the sum of its axes' ways, times sqrt(3).

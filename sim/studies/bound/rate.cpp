@@ -57,7 +57,7 @@ SimulatedHandOptions hand_of(const Surface& surface, const Hand& hand, double da
   options.hand = hand;
   options.plant = for_any_hand(grid.plant);
   options.spec = builtin_device("simulated");
-  if (grid.told) options.spec.actuation_lag = lag_of(grid.plant.amplifier).time;
+  if (grid.told) options.spec.actuation.lag = lag_of(grid.plant.amplifier).time;
   options.spec.damping = damping;
   HandTask& task = options.task;
   task.depth = kRatePress / options.hand.stiffness;
@@ -92,7 +92,7 @@ std::vector<RateSample> run(const Surface& surface, const SimulatedHandOptions& 
   config.projection = Projection::cone;
   config.period = 1.0 / rate;
   config.damping = hand.spec.damping;
-  config.lag = hand.spec.actuation_lag;
+  config.lag = hand.spec.actuation.lag;
   config.max_force = hand.spec.max_force;
   BasicBounding<Real> bounding = bounding_in<Real>(config);
   const Scene scene = scene_of(surface);

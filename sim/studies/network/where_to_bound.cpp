@@ -121,8 +121,8 @@ void run_where_to_bound_cell(const WhereToBoundTask& task, const Hand& hand,
   }
   if (grid.told) {
     const MotorLag lag = lag_of(grid.plant.amplifier);
-    options.told->actuation_lag = lag.time;
-    options.told->actuation_kind = lag.kind;
+    options.told->actuation.lag = lag.time;
+    options.told->actuation.kind = lag.kind;
   }
   if (cell.bound == kSidesBounds[0]) {
     options.parameters.mode = kUnbounded;

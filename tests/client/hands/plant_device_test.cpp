@@ -249,8 +249,8 @@ TEST(PlantDevice, ATorqueRisesWithTheSameLag) {
   SimulatedHandOptions o;
   o.spec = builtin_device("simulated_6dof");
   o.spec.rotational_damping = 0.0;
-  o.spec.rotational_friction = 0.0;
-  o.spec.apparent_inertia = 1e-4;
+  o.spec.rotation.friction = 0.0;
+  o.spec.rotation.inertia = 1e-4;
   o.hand = kNoHand;
   o.plant.amplifier.lag = 1e-3;
   SimulatedDevice device(o);

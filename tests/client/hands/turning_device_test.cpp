@@ -18,10 +18,10 @@ SimulatedHandOptions free_handle() {
   SimulatedHandOptions o;
   o.spec = builtin_device("simulated_6dof");
   o.spec.rotational_damping = 0.0;
-  o.spec.rotational_friction = 0.0;
-  o.spec.rotational_resolution = 0.0;
-  o.spec.apparent_inertia = kInertia;
-  o.spec.least_inertia = kInertia;
+  o.spec.rotation.friction = 0.0;
+  o.spec.rotation.resolution = 0.0;
+  o.spec.rotation.inertia = kInertia;
+  o.spec.rotation.least_inertia = kInertia;
   o.hand = {.inertia = 0.0, .rotational_damping = 0.0, .rotational_stiffness = 0.0};
   return o;
 }
@@ -76,7 +76,7 @@ TEST(TurningDevice, TheEnergyOfTheHeldTorqueIsKineticOrBurned) {
   SimulatedHandOptions o = free_handle();
   const double b = 2e-3, friction = 3e-3;
   o.spec.rotational_damping = b;
-  o.spec.rotational_friction = friction;
+  o.spec.rotation.friction = friction;
   SimulatedDevice device(o);
   double given = 0.0, burned = 0.0, largest = 0.0;
   Quaternion before = device.true_orientation();
@@ -102,7 +102,7 @@ TEST(TurningDevice, TheEnergyOfTheHeldTorqueIsKineticOrBurned) {
 /// is therefore limited.
 TEST(TurningDevice, EnergyAtTheEncoderIsThatOfTheTrueTurnsToHalfAQuantumAChange) {
   SimulatedHandOptions o = free_handle();
-  o.spec.rotational_resolution = 5.75e-4;
+  o.spec.rotation.resolution = 5.75e-4;
   o.hand = with_wrist(Hand{});
   SimulatedDevice device(o);
   double true_energy = 0.0, measured_energy = 0.0, changes = 0.0;
@@ -120,7 +120,7 @@ TEST(TurningDevice, EnergyAtTheEncoderIsThatOfTheTrueTurnsToHalfAQuantumAChange)
     changes += (next - held).lpNorm<1>();
     held = device.write({.torque = next}).torque;
     ASSERT_LE(std::abs(true_energy - measured_energy),
-              1.02 * 0.5 * o.spec.rotational_resolution * (changes + held.lpNorm<1>()) + 1e-12)
+              1.02 * 0.5 * o.spec.rotation.resolution * (changes + held.lpNorm<1>()) + 1e-12)
         << ms;
   }
   EXPECT_NE(true_energy, measured_energy) << "the quantum is felt";
@@ -129,7 +129,7 @@ TEST(TurningDevice, EnergyAtTheEncoderIsThatOfTheTrueTurnsToHalfAQuantumAChange)
 TEST(TurningDevice, ReadsTurnsOfWholeQuantaWithinHalfAQuantumOfTheTruth) {
   SimulatedHandOptions o = free_handle();
   const double quantum = 5.75e-4;
-  o.spec.rotational_resolution = quantum;
+  o.spec.rotation.resolution = quantum;
   SimulatedDevice device(o);
   Quaternion before = device.read(milliseconds(0)).pose.orientation;
   device.write({.torque = {0.01, 0.02, -0.005}});
@@ -148,7 +148,7 @@ TEST(TurningDevice, ReadsTurnsOfWholeQuantaWithinHalfAQuantumOfTheTruth) {
 
 TEST(TurningDevice, DryFrictionHoldsAndNeverTurnsItRound) {
   SimulatedHandOptions o = free_handle();
-  o.spec.rotational_friction = 4e-3;
+  o.spec.rotation.friction = 4e-3;
   SimulatedDevice device(o);
   step(device, 0, {3.9e-3, 0.0, 0.0});
   step(device, 500, {8e-3, 0.0, 0.0});

@@ -178,14 +178,14 @@ TEST(IdentifiedSpec, TellsTheLag) {
   const SourcedSpec known = sourced_spec("omega.7");
   const SourcedSpec read = written_and_read(identified_spec(known, found, "2026-11-29"));
   EXPECT_TRUE(read.tells_lag);
-  EXPECT_DOUBLE_EQ(read.spec.actuation_lag, 0.4e-3);
-  EXPECT_EQ(read.spec.actuation_kind, LagKind::mixed);
+  EXPECT_DOUBLE_EQ(read.spec.actuation.lag, 0.4e-3);
+  EXPECT_EQ(read.spec.actuation.kind, LagKind::mixed);
   EXPECT_EQ(read.sources.at("actuation_lag"),
             "identify, 2026-11-29: upper bound, of the reading too; estimate 0.00035");
   found.lag_bound = 1.5e-3;
   const DeviceSpec late = identified_spec(known, found, "2026-11-29").spec;
-  EXPECT_DOUBLE_EQ(late.actuation_lag, 2e-3);
-  EXPECT_EQ(late.actuation_kind, LagKind::delay);
+  EXPECT_DOUBLE_EQ(late.actuation.lag, 2e-3);
+  EXPECT_EQ(late.actuation.kind, LagKind::delay);
 }
 
 /// Late ticks include the complete lag. Without a new value, the old value stays.
@@ -193,24 +193,24 @@ TEST(IdentifiedSpec, KeepsWhatWasToldOfTheLag) {
   DeviceEstimate found;
   found.mass = Vec3::Constant(0.2);
   SourcedSpec known = sourced_spec("omega.7");
-  known.spec.actuation_lag = 0.7e-3;
-  known.spec.actuation_kind = LagKind::filter;
+  known.spec.actuation.lag = 0.7e-3;
+  known.spec.actuation.kind = LagKind::filter;
   known.tells_lag = true;
   const SourcedSpec kept = written_and_read(identified_spec(known, found, "2026-11-29"));
-  EXPECT_DOUBLE_EQ(kept.spec.actuation_lag, 0.7e-3);
-  EXPECT_EQ(kept.spec.actuation_kind, LagKind::filter);
+  EXPECT_DOUBLE_EQ(kept.spec.actuation.lag, 0.7e-3);
+  EXPECT_EQ(kept.spec.actuation.kind, LagKind::filter);
   known = sourced_spec("omega.7");
-  known.spec.late_ticks = 2;
+  known.spec.actuation.late_ticks = 2;
   found.lag_bound = 1.5e-3;
   const SourcedSpec ticks = written_and_read(identified_spec(known, found, "2026-11-29"));
   EXPECT_FALSE(ticks.tells_lag);
-  EXPECT_EQ(ticks.spec.late_ticks, 2);
+  EXPECT_EQ(ticks.spec.actuation.late_ticks, 2);
 }
 
 TEST(ReportedSpec, SaysWhatTheDriverAssumes) {
   DeviceSpec reported = sourced_spec("omega.7").spec;
-  reported.transmission_stiffness = 3e3;
-  reported.actuation_lag = 0.5e-3;
+  reported.transmission.stiffness = 3e3;
+  reported.actuation.lag = 0.5e-3;
   for (const char* requested : {"omega.7", "touch"}) {
     const SourcedSpec known = reported_spec(sourced_spec(requested), reported);
     EXPECT_EQ(known.spec.name, "omega.7");
@@ -241,14 +241,14 @@ TEST(IdentifiedSpec, TellsTheTransmissionAndWhatIsAssumed) {
                         .handle_mass = 0.05};
   const SourcedSpec read = written_and_read(identified_spec(known, found, "2026-11-30"));
   EXPECT_TRUE(read.tells_transmission);
-  EXPECT_DOUBLE_EQ(read.spec.transmission_stiffness, 7e3);
+  EXPECT_DOUBLE_EQ(read.spec.transmission.stiffness, 7e3);
   EXPECT_EQ(
       read.sources.at("transmission_stiffness"),
       "identify, 2026-11-30: lower bound; first resonance at 80 Hz, estimate 9000 N/m, 0.05 kg "
       "behind it");
   found.transmission->side = EncoderSide::handle;
   const SourcedSpec other = written_and_read(identified_spec(known, found, "2026-11-30"));
-  EXPECT_EQ(other.spec.encoder_side, EncoderSide::handle);
+  EXPECT_EQ(other.spec.transmission.encoder_side, EncoderSide::handle);
   EXPECT_EQ(other.sources.at("transmission_stiffness"),
             "identify, 2026-11-30: lower bound; first resonance at 80 Hz; a tenth of the mass on "
             "either side of it is assumed");

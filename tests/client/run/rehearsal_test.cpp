@@ -35,7 +35,7 @@ TEST(Rehearsal, ADeviceWithDampingFeelsItsWalls) {
   EXPECT_TRUE(quick.mass_known);
   EXPECT_FALSE(quick.swings);
   EXPECT_GE(quick.whole.wall, 10e3);
-  spec.actuation_lag = 0.5e-3;
+  spec.actuation.lag = 0.5e-3;
   const Rehearsal late = rehearsed(spec);
   EXPECT_LT(late.most.stiffness(), 0.6 * quick.most.stiffness());
   EXPECT_LE(late.whole.wall, quick.whole.wall);
@@ -45,7 +45,7 @@ TEST(Rehearsal, ADeviceWithDampingFeelsItsWalls) {
 /// shows.
 TEST(Rehearsal, BehindATransmissionTheHandleFeelsLessThanTheEncoderShows) {
   DeviceSpec spec = builtin_device("omega.7");
-  spec.transmission_stiffness = 3e3;
+  spec.transmission.stiffness = 3e3;
   const Rehearsal soft = rehearsed(spec);
   EXPECT_EQ(soft.transmission, 3e3);
   EXPECT_NEAR(soft.scene.share_at_encoder, 1.0, 0.02);
@@ -55,16 +55,16 @@ TEST(Rehearsal, BehindATransmissionTheHandleFeelsLessThanTheEncoderShows) {
   EXPECT_LT(soft.whole.wall, 1e3);
   EXPECT_THAT(rehearsal_text(soft), HasSubstr(" of a wall of 1000 N/m behind a transmission of "
                                               "3000 N/m (1.00 at the encoder)"));
-  spec.transmission_stiffness = 0.0;
+  spec.transmission.stiffness = 0.0;
   EXPECT_THAT(rehearsal_text(rehearsed(spec)), Not(HasSubstr("transmission")));
 }
 
 /// An encoder at the handle does not see the motor, so a stiff wall swings on the transmission.
 TEST(Rehearsal, AnEncoderAtTheHandleSwingsEarlier) {
   DeviceSpec spec = builtin_device("omega.7");
-  spec.transmission_stiffness = 10e3;
+  spec.transmission.stiffness = 10e3;
   const Rehearsal at_motor = rehearsed(spec);
-  spec.encoder_side = EncoderSide::handle;
+  spec.transmission.encoder_side = EncoderSide::handle;
   const Rehearsal at_handle = rehearsed(spec);
   EXPECT_EQ(at_handle.scene.share, at_handle.scene.share_at_encoder);
   EXPECT_LT(at_handle.calm.wall, at_motor.calm.wall);

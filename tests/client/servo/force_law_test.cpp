@@ -90,7 +90,7 @@ TEST(ForceLaw, AccountsForWhatTheDeviceHeld) {
 
 TEST(ForceLaw, ALateDeviceHoldsWhatWasGivenBefore) {
   DeviceSpec spec = builtin_device("simulated");
-  spec.late_ticks = 1;
+  spec.actuation.late_ticks = 1;
   Law late("none", spec);
   late.tick(Vec3::Zero(), kPush);
   EXPECT_TRUE(late.law.held().force().isZero(0.0)) << "it comes one tick later";

@@ -45,7 +45,7 @@ struct LateDeviceResult {
 /// A hand presses, slides and taps for some seconds.
 LateDeviceResult feel(const DeviceSpec& truth, const Hand& hand, HandPath path, const Wall& wall) {
   DeviceSpec spec = truth;
-  spec.late_ticks = wall.says_late ? wall.late : 0;
+  spec.actuation.late_ticks = wall.says_late ? wall.late : 0;
   Object floor;
   floor.name = "floor";
   floor.shape = Plane{};

@@ -287,8 +287,8 @@ TEST(AccountLag, ALagThatCannotBeReckonedWithIsRefused) {
 TEST(AccountLag, TheSpecificationOfTheDeviceTells) {
   DeviceSpec spec = builtin_device("simulated");
   EXPECT_EQ(account_config(spec, kPeriod).lag.time, 0.0);
-  spec.actuation_lag = 3e-4;
-  spec.actuation_kind = LagKind::filter;
+  spec.actuation.lag = 3e-4;
+  spec.actuation.kind = LagKind::filter;
   for (const AccountConfig& config :
        {account_config(spec, kPeriod), any_hand_account(spec, kPeriod)}) {
     EXPECT_EQ(config.lag.time, 3e-4);

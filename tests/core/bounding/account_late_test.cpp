@@ -62,7 +62,8 @@ TEST(AccountLate, AForceGetsWhatTheComingOnesLeave) {
 TEST(AccountLate, AForceAtItsLimitDoesNotSwing) {
   for (DeviceSpec spec : builtin_devices()) {
     if (!(spec.least_mass > 0.0)) continue;
-    for (spec.late_ticks = 1; spec.late_ticks <= AccountConfig::kMostLate; ++spec.late_ticks)
+    for (spec.actuation.late_ticks = 1; spec.actuation.late_ticks <= AccountConfig::kMostLate;
+         ++spec.actuation.late_ticks)
       for (const double force : {0.1, 0.3, 1.0, 3.0}) {
         const AccountConfig config = account_config(spec, kPeriod);
         PortAccount account(config);
@@ -74,11 +75,11 @@ TEST(AccountLate, AForceAtItsLimitDoesNotSwing) {
           const double given = account.step(sample(Vec3::Zero(), most)).elastic.x();
           if (n > 100) {
             ASSERT_NEAR(given, before, 1e-3 * before)
-                << spec.name << ' ' << spec.late_ticks << ' ' << force << ' ' << n;
+                << spec.name << ' ' << spec.actuation.late_ticks << ' ' << force << ' ' << n;
           }
           before = given;
         }
-        EXPECT_NEAR(before, force, 0.03 * force) << spec.name << ' ' << spec.late_ticks;
+        EXPECT_NEAR(before, force, 0.03 * force) << spec.name << ' ' << spec.actuation.late_ticks;
       }
   }
 }
@@ -145,7 +146,7 @@ TEST(AccountLate, TheSpecificationOfTheDeviceTells) {
   DeviceSpec spec = builtin_device("simulated");
   EXPECT_EQ(account_config(spec, kPeriod).late, 0);
   const double cap = account_config(spec, kPeriod).cap;
-  spec.late_ticks = 1;
+  spec.actuation.late_ticks = 1;
   EXPECT_EQ(account_config(spec, kPeriod).late, 1);
   EXPECT_EQ(any_hand_account(spec, kPeriod).late, 1);
   EXPECT_GT(account_config(spec, kPeriod).cap, 2.0 * cap);

@@ -80,12 +80,13 @@ void expect_no_notch(const DeviceSpec& spec, const Commands& commands, bool know
       const Notch notch = stand(config, commands.most, need_at_rest(config, commands.paid), late,
                                 deadlines, knows_hand);
       // The reserve of the account may reduce a small force only a little.
-      EXPECT_GT(notch.force, 0.94 * wanted) << spec.name << ' ' << spec.late_ticks;
-      EXPECT_LT(notch.force, (1.0 + 1e-9) * wanted) << spec.name << ' ' << spec.late_ticks;
-      EXPECT_LT(notch.deepest, 0.05) << spec.name << ' ' << spec.late_ticks << " late " << late
-                                     << ' ' << deadlines << " force " << notch.force;
-      EXPECT_LT(notch.highest, 0.05) << spec.name << ' ' << spec.late_ticks << " late " << late
-                                     << ' ' << deadlines << " force " << notch.force;
+      EXPECT_GT(notch.force, 0.94 * wanted) << spec.name << ' ' << spec.actuation.late_ticks;
+      EXPECT_LT(notch.force, (1.0 + 1e-9) * wanted)
+          << spec.name << ' ' << spec.actuation.late_ticks;
+      EXPECT_LT(notch.deepest, 0.05) << spec.name << ' ' << spec.actuation.late_ticks << " late "
+                                     << late << ' ' << deadlines << " force " << notch.force;
+      EXPECT_LT(notch.highest, 0.05) << spec.name << ' ' << spec.actuation.late_ticks << " late "
+                                     << late << ' ' << deadlines << " force " << notch.force;
     }
 }
 
@@ -94,12 +95,13 @@ void expect_no_notch(const DeviceSpec& spec, const Commands& commands, bool know
 /// hand.
 TEST(AccountNotch, AHandThatStandsStillFeelsNoTickThatIsLate) {
   for (DeviceSpec spec : known_devices())
-    for (spec.late_ticks = 0; spec.late_ticks <= 2; ++spec.late_ticks)
+    for (spec.actuation.late_ticks = 0; spec.actuation.late_ticks <= 2; ++spec.actuation.late_ticks)
       for (const Vec3& along : {Vec3(0, 0, 1), Vec3(0, -0.6, 0.8), Vec3(0.6, -0.64, 0.48)})
         for (const double force : kForces)
           // Without a delay of the device the account has no reserve. Small forces then fall
           // further.
-          if (force < spec.max_force && (spec.late_ticks > 0 || (force >= 1.0 && along.z() == 1.0)))
+          if (force < spec.max_force &&
+              (spec.actuation.late_ticks > 0 || (force >= 1.0 && along.z() == 1.0)))
             expect_no_notch(spec, {{.elastic = spec.max_force * along}, {.elastic = force * along}},
                             true);
 }
@@ -107,7 +109,7 @@ TEST(AccountNotch, AHandThatStandsStillFeelsNoTickThatIsLate) {
 TEST(AccountNotch, NorDoesOneThatATorqueTurns) {
   for (DeviceSpec spec : known_devices()) {
     if (spec.rotation_actuated == 0) continue;
-    for (spec.late_ticks = 0; spec.late_ticks <= 2; ++spec.late_ticks)
+    for (spec.actuation.late_ticks = 0; spec.actuation.late_ticks <= 2; ++spec.actuation.late_ticks)
       for (const double share : {0.9, 0.3, 0.1, 0.03})
         expect_no_notch(spec,
                         {{.torque = Vec3(0, spec.max_torque, 0)},
@@ -119,7 +121,7 @@ TEST(AccountNotch, NorDoesOneThatATorqueTurns) {
 /// The account has no data about this hand.
 TEST(AccountNotch, NorDoesAnyOtherHand) {
   for (DeviceSpec spec : builtin_devices())
-    for (spec.late_ticks = 0; spec.late_ticks <= 2; ++spec.late_ticks)
+    for (spec.actuation.late_ticks = 0; spec.actuation.late_ticks <= 2; ++spec.actuation.late_ticks)
       for (const double force : kForces)
         if (force < spec.max_force)
           expect_no_notch(spec,

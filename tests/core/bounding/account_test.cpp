@@ -202,9 +202,9 @@ TEST(DeviceAccount, CountsOnWhatTheSpecificationIsSureOf) {
   EXPECT_NEAR(account_config(spec, kPeriod).cap - known.cap,
               kAccountCap * 0.1 * 0.1 * kPeriod / (4.0 * 1e-3), 1e-12);
   EXPECT_EQ(account_config(spec, kPeriod).rotation.mass, 0.0);
-  spec.least_inertia = 2e-5;
-  spec.hand_torque = 0.3;
-  spec.rotational_resolution = 1e-4;
+  spec.rotation.least_inertia = 2e-5;
+  spec.rotation.hand_torque = 0.3;
+  spec.rotation.resolution = 1e-4;
   spec.hand_speed = 2.0;
   const AccountConfig turning = account_config(spec, kPeriod);
   EXPECT_EQ(turning.rotation.mass, 2e-5);

@@ -61,10 +61,10 @@ TEST_F(DeviceFile, SaysEverythingThatABuiltInDeviceSays) {
   EXPECT_EQ(spec.least_friction, 0.06);
   EXPECT_EQ(spec.hand_force, 15.0);
   EXPECT_EQ(spec.hand_speed, 2.0);
-  EXPECT_EQ(spec.late_ticks, 1);
-  EXPECT_EQ(spec.rotational_resolution, 1e-4);
-  EXPECT_EQ(spec.least_inertia, 2e-5);
-  EXPECT_EQ(spec.hand_torque, 0.4);
+  EXPECT_EQ(spec.actuation.late_ticks, 1);
+  EXPECT_EQ(spec.rotation.resolution, 1e-4);
+  EXPECT_EQ(spec.rotation.least_inertia, 2e-5);
+  EXPECT_EQ(spec.rotation.hand_torque, 0.4);
 }
 
 TEST_F(DeviceFile, TellsTheLagOfItsMotorAndItsKind) {
@@ -73,9 +73,9 @@ TEST_F(DeviceFile, TellsTheLagOfItsMotorAndItsKind) {
            "}";
   };
   const DeviceSpec filter = load(with(R"("actuation_lag": 3e-4, "actuation_kind": "filter")"));
-  EXPECT_EQ(filter.actuation_lag, 3e-4);
-  EXPECT_EQ(filter.actuation_kind, LagKind::filter);
-  EXPECT_EQ(load(with(R"("actuation_lag": 3e-4)")).actuation_kind, LagKind::delay);
+  EXPECT_EQ(filter.actuation.lag, 3e-4);
+  EXPECT_EQ(filter.actuation.kind, LagKind::filter);
+  EXPECT_EQ(load(with(R"("actuation_lag": 3e-4)")).actuation.kind, LagKind::delay);
   EXPECT_THAT(error(with(R"("actuation_kind": "fast")")),
               AllOf(HasSubstr("actuation_kind: is 'fast'"), HasSubstr("delay filter")));
   EXPECT_THAT(error(with(R"("actuation_lag": 3e-4, "late_ticks": 1)")),
@@ -90,8 +90,8 @@ TEST_F(DeviceFile, TellsTheTransmissionAndTheSideOfTheEncoder) {
   load(with(R"(, "transmission_stiffness": 8e3, "encoder_side": "handle")"));
   const SourcedSpec told = sourced_spec(file_.string());
   EXPECT_TRUE(told.tells_transmission);
-  EXPECT_EQ(told.spec.transmission_stiffness, 8e3);
-  EXPECT_EQ(told.spec.encoder_side, EncoderSide::handle);
+  EXPECT_EQ(told.spec.transmission.stiffness, 8e3);
+  EXPECT_EQ(told.spec.transmission.encoder_side, EncoderSide::handle);
   EXPECT_THAT(assumptions(told), ::testing::ElementsAre(HasSubstr("encoder is at the handle")));
   EXPECT_THAT(spec_table(told), AllOf(HasSubstr("transmission_stiffness 8000"),
                                       HasSubstr("encoder_side           handle")));
@@ -100,7 +100,7 @@ TEST_F(DeviceFile, TellsTheTransmissionAndTheSideOfTheEncoder) {
   load(with(""));
   const SourcedSpec silent = sourced_spec(file_.string());
   EXPECT_FALSE(silent.tells_transmission);
-  EXPECT_EQ(silent.spec.encoder_side, EncoderSide::motor);
+  EXPECT_EQ(silent.spec.transmission.encoder_side, EncoderSide::motor);
   EXPECT_THAT(spec_table(silent), ::testing::Not(HasSubstr("encoder_side")));
   EXPECT_THAT(error(with(R"(, "encoder_side": "gearbox")")),
               AllOf(HasSubstr("encoder_side: is 'gearbox'"), HasSubstr("motor handle")));
@@ -117,7 +117,7 @@ TEST_F(DeviceFile, OfAMatrixTheLeastEigenvalueIsTaken) {
       "least_inertia_matrix": [3e-5, 2e-5, 4e-5], "hand_torque": 0.4})");
   EXPECT_NEAR(spec.damping.least(), 0.4, 1e-12);
   EXPECT_NEAR(spec.least_mass, 0.04, 1e-12);
-  EXPECT_NEAR(spec.least_inertia, 2e-5, 1e-16);
+  EXPECT_NEAR(spec.rotation.least_inertia, 2e-5, 1e-16);
   const auto with = [&](const std::string& field) {
     return error("{" + rest + "\"damping\": [1],\n" + field + "}");
   };
@@ -145,8 +145,8 @@ TEST_F(DeviceFile, WhatIsNotGiven) {
   EXPECT_EQ(spec.least_friction, 0.0);
   EXPECT_EQ(spec.hand_force, 10.0);
   EXPECT_EQ(spec.hand_speed, 0.0);
-  EXPECT_EQ(spec.late_ticks, 0);
-  EXPECT_EQ(spec.least_inertia, 0.0);
+  EXPECT_EQ(spec.actuation.late_ticks, 0);
+  EXPECT_EQ(spec.rotation.least_inertia, 0.0);
 }
 
 TEST_F(DeviceFile, ErrorsNameTheLineTheFieldAndTheRemedy) {

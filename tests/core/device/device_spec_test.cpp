@@ -41,10 +41,11 @@ TEST(DeviceSpec, WhatActuatesTorqueCanRenderItUnderEveryBoundAndBehindTheAccount
     const DeviceSpec& d = builtin_device(name);
     EXPECT_EQ(d.rotation_actuated, 3) << name;
     EXPECT_GT(d.rotational_damping.least(), 0.0) << name;
-    EXPECT_GT(d.least_inertia, 0.0) << name;
-    EXPECT_GT(d.apparent_inertia, 0.0) << name << " could not be simulated unheld";
-    EXPECT_GT(d.hand_torque, d.max_torque) << name << ": a hand can hold the motors' torque";
-    EXPECT_GT(d.rotational_resolution, 0.0) << name;
+    EXPECT_GT(d.rotation.least_inertia, 0.0) << name;
+    EXPECT_GT(d.rotation.inertia, 0.0) << name << " could not be simulated unheld";
+    EXPECT_GT(d.rotation.hand_torque, d.max_torque)
+        << name << ": a hand can hold the motors' torque";
+    EXPECT_GT(d.rotation.resolution, 0.0) << name;
   }
 }
 
@@ -100,18 +101,18 @@ TEST(DeviceSpec, EveryBrokenFieldIsNamed) {
       {"hand_force", [](DeviceSpec& d) { d.hand_force = 0; }},
       {"hand_force", [&](DeviceSpec& d) { d.hand_force = infinity; }},
       {"hand_speed", [](DeviceSpec& d) { d.hand_speed = -1; }},
-      {"late_ticks", [](DeviceSpec& d) { d.late_ticks = 5; }},
-      {"late_ticks", [](DeviceSpec& d) { d.late_ticks = -1; }},
-      {"rotational_resolution", [](DeviceSpec& d) { d.rotational_resolution = 1; }},
-      {"hand_torque", [](DeviceSpec& d) { d.least_inertia = 1e-5; }},
-      {"least_inertia", [](DeviceSpec& d) { d.hand_torque = 1; }},
-      {"apparent_inertia", [&](DeviceSpec& d) { d.apparent_inertia = nan; }},
-      {"rotational_friction", [](DeviceSpec& d) { d.rotational_friction = -1; }},
+      {"late_ticks", [](DeviceSpec& d) { d.actuation.late_ticks = 5; }},
+      {"late_ticks", [](DeviceSpec& d) { d.actuation.late_ticks = -1; }},
+      {"rotational_resolution", [](DeviceSpec& d) { d.rotation.resolution = 1; }},
+      {"hand_torque", [](DeviceSpec& d) { d.rotation.least_inertia = 1e-5; }},
+      {"least_inertia", [](DeviceSpec& d) { d.rotation.hand_torque = 1; }},
+      {"apparent_inertia", [&](DeviceSpec& d) { d.rotation.inertia = nan; }},
+      {"rotational_friction", [](DeviceSpec& d) { d.rotation.friction = -1; }},
       {"least_inertia",
        [](DeviceSpec& d) {
-         d.least_inertia = 2e-5;
-         d.hand_torque = 0.1;
-         d.apparent_inertia = 1e-5;
+         d.rotation.least_inertia = 2e-5;
+         d.rotation.hand_torque = 0.1;
+         d.rotation.inertia = 1e-5;
        }},
       {"workspace.y", [&](DeviceSpec& d) { d.workspace.y() = nan; }},
   };

@@ -34,7 +34,7 @@ SixDofSetup still() {
 
 TEST(SixDof, RestsWhereWristAndTorqueBalance) {
   SixDofSetup setup = still();
-  setup.hand.spec.rotational_friction = 0.0;
+  setup.hand.spec.rotation.friction = 0.0;
   const Vec3 torque(0.04, -0.02, 0.01);
   const auto samples = run_six_dof(
       [&](const Pose&, const Vec3&, double) { return Command{.torque = torque}; }, setup);
