@@ -39,7 +39,6 @@ void report_refused(std::size_t rows) {
 /// Former names of subcommands and options, each with its present name.
 constexpr std::pair<std::string_view, std::string_view> kRenamed[] = {
     {"sides", "where-to-bound"},
-    {"choices", "contact-frame-options"},
     {"parts", "convex-parts"},
     {"--told-damping", "--assumed-damping"}};
 

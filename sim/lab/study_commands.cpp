@@ -8,7 +8,6 @@
 
 #include "client/hands/plant_file.hpp"
 #include "core/base/visible_text.hpp"
-#include "sim/studies/bound/contact_frame_options.hpp"
 #include "sim/studies/bound/figures.hpp"
 #include "sim/studies/bound/frontier.hpp"
 #include "sim/studies/bound/frontier_judged.hpp"
@@ -59,13 +58,6 @@ void add_figures(CLI::App& app) {
         const std::string forces = figures_table(write_figures(out));
         return forces + torque_figures_table(write_torque_figures(out));
       });
-}
-
-void add_contact_frame_options(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "contact-frame-options", "Compare the options of contact_frame: projection and storage");
-  command->footer("Prints the tables of docs/bounding.md: joint or cone, minimal or elastic.");
-  command->callback([] { std::cout << contact_frame_options_tables(); });
 }
 
 void add_plant(CLI::App& command, std::string& plant) {
@@ -342,7 +334,6 @@ void add_teleop(CLI::App& app) {
 
 void add_studies(CLI::App& app, int& status) {
   add_figures(app);
-  add_contact_frame_options(app);
   add_zwidth(app);
   add_frontier(app);
   add_torque(app, status);

@@ -121,7 +121,7 @@ class Laboratory(unittest.TestCase):
             feltwire.lab.tuch
         with self.assertRaisesRegex(ValueError, "different lengths"):
             feltwire.lab.touch(scene=PLANE, table={"t": [0], "x": [0, 1]})
-        self.assertIn("contact_frame_options", dir(feltwire.lab))
+        self.assertIn("where_to_bound", dir(feltwire.lab))
         self.assertIn("Filter", feltwire.lab.verbs()["touch"])
 
 

@@ -1,4 +1,4 @@
-"""The verbs of feltwire-lab as functions: feltwire.lab.touch(...), feltwire.lab.run("contact-frame-options", ...).
+"""The verbs of feltwire-lab as functions: feltwire.lab.touch(...), feltwire.lab.run("where-to-bound", ...).
 
 compare() and extremes() also judge bounding laws of the program (docs/own_bounding_law.md)."""
 from __future__ import annotations

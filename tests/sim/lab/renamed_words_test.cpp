@@ -20,7 +20,6 @@ struct Renamed {
 TEST(RenamedWords, AFormerNameIsRefusedWithThePresentOne) {
   const std::vector<Renamed> all = {
       {{"sides", "--out", "x"}, "; sides is now where-to-bound; see --help"},
-      {{"choices"}, "; choices is now contact-frame-options; see --help"},
       {{"parts", "x.obj"}, "; parts is now convex-parts; see --help"},
       {{"extremes", "--told-damping", "1.05"},
        "; --told-damping is now --assumed-damping; see --help"},

@@ -1,11 +1,10 @@
 #include "sim/measure/experiment.hpp"
 
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "core/scene_file/load_scene.hpp"
-#include "sim/studies/bound/contact_frame_options.hpp"
 #include "sim/studies/bound/figures.hpp"
 
 namespace feltwire::experiment_test {
@@ -92,14 +91,6 @@ TEST(Experiment, JointLosesTheNormalForceToDryFrictionConeDoesNot) {
   const double whole = mean_normal_force(scene, "none", Projection::joint);
   EXPECT_GT(mean_normal_force(scene, "contact_frame", Projection::cone), 0.95 * whole);
   EXPECT_LT(mean_normal_force(scene, "contact_frame", Projection::joint), 0.2 * whole);
-}
-
-TEST(Choices, TablesHaveEveryRow) {
-  const std::string text = contact_frame_options_tables();
-  EXPECT_THAT(text, ::testing::ContainsRegex("500 +0\\.3 +0\\.5 +joint"));
-  EXPECT_THAT(text, ::testing::ContainsRegex("4000 +50 +0\\.[0-9]+ / +0\\.[0-9]+"));
-  EXPECT_THAT(text, ::testing::ContainsRegex("\n +100 +[0-9.]+, [0-9.]+ +[0-9.]+, [0-9.]+"));
-  EXPECT_THAT(text, ::testing::Not(::testing::HasSubstr("nan")));
 }
 
 }  // namespace
