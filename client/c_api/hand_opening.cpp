@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -12,16 +11,10 @@
 #include "client/c_api/caller_device.hpp"
 #include "client/servo/device_input.hpp"
 #include "core/device/device_file.hpp"
+#include "core/base/written_number.hpp"
 
 namespace feltwire {
 namespace {
-
-/// Returns a number as text that is the same in every locale.
-std::string number(double value) {
-  std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-  return {text.data(), end};
-}
 
 [[noreturn]] void refuse(const HandRequest& request, const std::string& what) {
   throw std::invalid_argument(std::string(request.options) + "." + what);
@@ -50,7 +43,7 @@ std::vector<std::string> command_line(const HandRequest& request, bool caller) {
   const std::string own = "plugin:caller" + (settings.empty() ? "" : "," + settings);
   add("--device", caller ? own.c_str() : request.device);
   add("--spec", request.spec);
-  add("--duration", number(request.duration).c_str());
+  add("--duration", shortest_text(request.duration).c_str());
   if (request.more_count > 0 && request.more == nullptr)
     refuse(request, "more is null, and more_count is not 0");
   for (std::uint32_t i = 0; i < request.more_count; ++i) {

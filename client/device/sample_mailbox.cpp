@@ -6,11 +6,11 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <ctime>
 #include <system_error>
 
 #include "client/device/held_command.hpp"
 #include "protocol/net/clock.hpp"
+#include "protocol/net/poll_until.hpp"
 
 namespace feltwire {
 
@@ -27,12 +27,7 @@ void Wake::set() const noexcept {
 }
 
 void Wake::wait_until(Nanoseconds latest) const noexcept {
-  const Nanoseconds left = std::max(latest - monotonic_now(), Nanoseconds(0));
-  const auto whole = std::chrono::duration_cast<std::chrono::seconds>(left);
-  const timespec time{.tv_sec = static_cast<time_t>(whole.count()),
-                      .tv_nsec = static_cast<long>((left - whole).count())};
-  pollfd waiting{descriptor_, POLLIN, 0};
-  ::ppoll(&waiting, 1, &time, nullptr);
+  poll_until(descriptor_, POLLIN, latest);
   std::uint64_t count = 0;
   [[maybe_unused]] const ssize_t drained = ::read(descriptor_, &count, sizeof count);
 }

@@ -9,6 +9,7 @@
 #include "client/followers/robot_datagrams.hpp"
 #include "core/device/device_spec.hpp"
 #include "protocol/net/clock.hpp"
+#include "protocol/net/poll_until.hpp"
 
 namespace feltwire {
 namespace {
@@ -109,11 +110,7 @@ class FollowerLoop {
   Nanoseconds wait() {
     Nanoseconds wake = next_;
     if (const auto due = port_->next_due()) wake = std::min(wake, *due);
-    const Nanoseconds left = std::max(wake - monotonic_now(), Nanoseconds(0));
-    const timespec time{static_cast<time_t>(left / std::chrono::seconds(1)),
-                        static_cast<long>((left % std::chrono::seconds(1)).count())};
-    pollfd readable{port_->descriptor(), POLLIN, 0};
-    ::ppoll(&readable, 1, &time, nullptr);
+    poll_until(port_->descriptor(), POLLIN, wake);
     const Nanoseconds now = monotonic_now();
     if (port_->delays()) port_->pass(now);
     return now;

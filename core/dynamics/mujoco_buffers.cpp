@@ -1,13 +1,11 @@
 #include "core/dynamics/mujoco_buffers.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 #include "core/dynamics/mujoco_sort.hpp"
 #include "core/dynamics/mujoco_text.hpp"
+#include "core/base/written_number.hpp"
 
 namespace feltwire::mujoco {
 namespace {
@@ -80,12 +78,7 @@ void give(mjModel& model, const BufferSizes& room) {
   model.nstack = room.stack;
 }
 
-std::string printed(double bytes) {
-  constexpr double kGigabyte = 1e9;
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.3g GB", bytes / kGigabyte);
-  return text.data();
-}
+std::string in_gigabytes(double bytes) { return printed("%.3g GB", bytes / 1e9); }
 
 }  // namespace
 
@@ -146,8 +139,8 @@ std::string trial_room(std::size_t objects, const std::vector<Body>& bodies) {
   if (most > kMost)
     throw std::invalid_argument("bodies: the " + std::to_string(count) + " bodies, " +
                                 std::to_string(held) + " of them with a range or friction, take " +
-                                printed(most) + " at once in MuJoCo, which takes at most " +
-                                printed(kMost) +
+                                in_gigabytes(most) + " at once in MuJoCo, which takes at most " +
+                                in_gigabytes(kMost) +
                                 "; have fewer bodies, or fewer with a range or friction");
   return "<size" + attribute("nconmax", std::to_string(kContacts)) +
          attribute("njmax", std::to_string(rows)) + attribute("nstack", std::to_string(stack)) +

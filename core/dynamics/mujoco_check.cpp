@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <stdexcept>
 
 #include "core/dynamics/mujoco_buffers.hpp"
 #include "core/dynamics/thin_contacts.hpp"
 #include "core/mesh/mesh_surface.hpp"
+#include "core/base/written_number.hpp"
 
 namespace feltwire::mujoco {
 namespace {
@@ -20,13 +20,6 @@ constexpr double kOverlap = 1e-4;
 /// undamped spring is stable up to 2 under symplectic Euler. However, n hands at one point act as
 /// one spring of stiffness n k.
 constexpr double kCalm = 1.0;
-
-template <class... Numbers>
-std::string printed(const char* format, Numbers... numbers) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, numbers...);
-  return text;
-}
 
 /// Returns half the side lengths [m] of the bounding box of a shape.
 Vec3 half_extents(const Shape& shape) {

@@ -1,9 +1,7 @@
 #include "core/dynamics/mujoco_compile.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <numbers>
 #include <set>
@@ -17,6 +15,7 @@
 #include "core/dynamics/mujoco_geoms.hpp"
 #include "core/dynamics/mujoco_text.hpp"
 #include "core/mesh/mesh_surface.hpp"
+#include "core/base/written_number.hpp"
 
 namespace feltwire {
 namespace {
@@ -90,11 +89,7 @@ MassProperties solid_of(const Body& body, const std::vector<Object>& objects,
   return all;
 }
 
-std::string rounded(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.3g", value);
-  return text.data();
-}
+std::string rounded(double value) { return printed("%.3g", value); }
 
 /// Returns the <inertial> element with the exact mass and inertia of a solid. Without it, MuJoCo
 /// would use the mass and inertia of the approximate geoms.

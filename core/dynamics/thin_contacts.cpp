@@ -4,21 +4,14 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
 #include <limits>
 
 #include "core/dynamics/mujoco_error_trap.hpp"
 #include "core/scene/mechanism.hpp"
+#include "core/base/written_number.hpp"
 
 namespace feltwire::mujoco {
 namespace {
-
-template <class... Numbers>
-std::string number_shown(const char* format, Numbers... numbers) {
-  std::array<char, 96> text{};
-  std::snprintf(text.data(), text.size(), format, numbers...);
-  return text.data();
-}
 
 /// The extent of a geom along gravity.
 struct GeomExtent {
@@ -154,21 +147,21 @@ std::string warning_of(const Object& upper, const Object& lower, const GeomExten
   const double lowest = fall.held * fall.held / (2.0 * gravity) - fall.topple;
   const auto thick = [](const GeomExtent& seen) { return 1e3 * seen.thickness; };
   std::string text =
-      "object '" + upper.name + "' (" + number_shown("%.3g mm", thick(a)) + " thick) falls " +
-      number_shown("%.3g m", fall.height) + " onto '" + lower.name + "' (" +
-      number_shown("%.3g mm", thick(b)) + ") and comes with " +
-      number_shown("%.3g m/s", fall.speed) + "; with a tick of " +
-      number_shown("%.3g ms", 1e3 * tick) + " they hold each other up to " +
-      number_shown("%.3g m/s", fall.held) + ", so it may fall through; make " +
+      "object '" + upper.name + "' (" + printed("%.3g mm", thick(a)) + " thick) falls " +
+      printed("%.3g m", fall.height) + " onto '" + lower.name + "' (" +
+      printed("%.3g mm", thick(b)) + ") and comes with " +
+      printed("%.3g m/s", fall.speed) + "; with a tick of " +
+      printed("%.3g ms", 1e3 * tick) + " they hold each other up to " +
+      printed("%.3g m/s", fall.held) + ", so it may fall through; make " +
       (fall.thickness < a.thickness + b.thickness
-           ? "the capsule at least " + number_shown("%.3g mm", 1e3 * fall.thickness / share) +
+           ? "the capsule at least " + printed("%.3g mm", 1e3 * fall.thickness / share) +
                  " thick (a box counts for nothing here)"
-           : "them at least " + number_shown("%.3g mm", 1e3 * fall.thickness / share) +
+           : "them at least " + printed("%.3g mm", 1e3 * fall.thickness / share) +
                  " thick together");
   if (share * tick >= kLeastTick)
-    text += ", or give a tick of at most " + number_shown("%.2g s", share * tick);
+    text += ", or give a tick of at most " + printed("%.2g s", share * tick);
   return text + (lowest > 0.0 ? ", or let it begin at most " +
-                                    number_shown("%.3g mm", 1e3 * lowest) + " above"
+                                    printed("%.3g mm", 1e3 * lowest) + " above"
                               : ", or lay it flat: it topples");
 }
 

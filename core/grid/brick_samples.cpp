@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 
 #include "core/base/parallel.hpp"
+#include "core/base/written_number.hpp"
 
 namespace feltwire {
 namespace {
@@ -16,13 +16,6 @@ constexpr double kMaxBricksAlong = 1 << 20;  // Every index fits an int.
 /// Half the diagonal of a brick's cells, in grid steps. No point of a brick is farther from its
 /// centre.
 const double kBrickReach = 4.0 * std::sqrt(3.0);
-
-std::string text(double value) {
-  std::array<char, 32> characters;
-  const auto end =
-      std::to_chars(characters.data(), characters.data() + characters.size(), value).ptr;
-  return {characters.data(), end};
-}
 
 /// Computes the samples of a solid.
 template <class Real>
@@ -74,10 +67,10 @@ template <class Real>
 void BrickSampler<Real>::place(const GridOptions& options) {
   const double h = options.resolution;
   if (!(h > 0.0) || !std::isfinite(h))
-    throw std::invalid_argument("resolution: must be above zero [m], is " + text(h) +
+    throw std::invalid_argument("resolution: must be above zero [m], is " + shortest_text(h) +
                                 "; give the distance between samples");
   if (!(options.band >= 0.0) || !std::isfinite(options.band))
-    throw std::invalid_argument("band: must be at least zero [m], is " + text(options.band) +
+    throw std::invalid_argument("band: must be at least zero [m], is " + shortest_text(options.band) +
                                 "; leave it out or give a depth");
   const Vec3 extent = solid.high - solid.low;
   if (!extent.allFinite() || !(extent.minCoeff() >= 0.0))
@@ -97,10 +90,10 @@ void BrickSampler<Real>::place(const GridOptions& options) {
   const auto limit = static_cast<double>(options.max_bytes);
   if (!(wanted.maxCoeff() < kMaxBricksAlong) || !(bytes < limit))
     throw std::invalid_argument(
-        "resolution: " + text(h) + " m over an extent of " + text(extent.maxCoeff()) +
-        " m takes more than the limit of " + text(limit / (1 << 20)) +
+        "resolution: " + shortest_text(h) + " m over an extent of " + shortest_text(extent.maxCoeff()) +
+        " m takes more than the limit of " + shortest_text(limit / (1 << 20)) +
         " MiB; give a larger one, at least " +
-        text(h * std::max(1.5 * std::cbrt(bytes / limit), wanted.maxCoeff() / kMaxBricksAlong)));
+        shortest_text(h * std::max(1.5 * std::cbrt(bytes / limit), wanted.maxCoeff() / kMaxBricksAlong)));
   grid.count = wanted.cast<int>();
   grid.origin = 0.5 * (solid.low + solid.high) - 0.5 * brick * wanted + Vec3::Constant(0.5 * h);
   const auto size = static_cast<std::size_t>(entries);
@@ -131,9 +124,9 @@ void BrickSampler<Real>::choose(std::size_t max_bytes) {
   const auto limit = static_cast<double>(max_bytes);
   if (bytes > limit)
     throw std::invalid_argument(
-        "resolution: " + text(grid.h) + " m takes " + text(std::ceil(bytes / (1 << 20))) +
-        " MiB, more than the limit of " + text(limit / (1 << 20)) +
-        " MiB; give a larger one, about " + text(1.1 * grid.h * std::sqrt(bytes / limit)) +
+        "resolution: " + shortest_text(grid.h) + " m takes " + shortest_text(std::ceil(bytes / (1 << 20))) +
+        " MiB, more than the limit of " + shortest_text(limit / (1 << 20)) +
+        " MiB; give a larger one, about " + shortest_text(1.1 * grid.h * std::sqrt(bytes / limit)) +
         ", or a thinner band");
 }
 

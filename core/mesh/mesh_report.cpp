@@ -1,20 +1,15 @@
 // Messages to the user about defects of a surface.
 
-#include <array>
-#include <cstdio>
 #include <string>
 #include <vector>
 
 #include "core/mesh/triangle_mesh.hpp"
+#include "core/base/written_number.hpp"
 
 namespace feltwire {
 namespace {
 
-std::string metres(double length) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.3g m", length);
-  return text.data();
-}
+std::string metres(double length) { return printed("%.3g m", length); }
 
 }  // namespace
 
@@ -35,9 +30,7 @@ std::string mend_text(const MeshReport& report) {
   // Largest width of a narrow hole, as a share of the longest side.
   constexpr double kNarrow = 1e-3;
   if (report.holes.count == 0 || report.holes.widest > kNarrow * report.size) return "mend it";
-  std::array<char, 32> weld{};
-  std::snprintf(weld.data(), weld.size(), "%.2g", 2.0 * report.holes.widest);
-  return "set \"weld\": " + std::string(weld.data()) + ", which closes narrow holes, or mend it";
+  return "set \"weld\": " + printed("%.2g", 2.0 * report.holes.widest) + ", which closes narrow holes, or mend it";
 }
 
 std::vector<std::string> warnings(const MeshReport& report, bool closed) {

@@ -1,8 +1,6 @@
 #include "core/scene/scene_cost_report.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <functional>
 
 #include "core/grid/distance_grid.hpp"
@@ -11,6 +9,7 @@
 #include "core/scene/validation.hpp"
 #include "core/tool/body_tool.hpp"
 #include "core/tool/polygon_body.hpp"
+#include "core/base/written_number.hpp"
 
 namespace feltwire {
 namespace {
@@ -111,11 +110,7 @@ std::vector<std::string> operator+(std::vector<std::string> a, const std::vector
   return a;
 }
 
-std::string length_text(double metres) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.4g", metres);
-  return text.data();
-}
+std::string length_text(double metres) { return printed("%.4g", metres); }
 
 /// [m] Half the sides of the box about an object, in its own frame; empty if it is endless.
 std::optional<Vec3> half_box_of(const Shape& shape) {

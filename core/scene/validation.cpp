@@ -1,11 +1,11 @@
 #include "core/scene/validation.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "core/base/numeric.hpp"
 #include "core/mesh/mesh_surface.hpp"
+#include "core/base/written_number.hpp"
 
 namespace feltwire {
 namespace {
@@ -88,11 +88,7 @@ void make_unit(Quaternion& orientation) {
   coefficients.normalize();
 }
 
-std::string number_text(double value) {
-  char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
-  return {text, end};
-}
+std::string number_text(double value) { return shortest_text(value); }
 
 MaybeViolation check(const Shape& shape) { return std::visit(ShapeRules{}, shape); }
 

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <new>
 #include <optional>
 #include <stdexcept>
@@ -13,6 +12,7 @@
 #include "core/scene_file/read_parts.hpp"
 #include "core/scene_file/read_values.hpp"
 #include "core/scene_file/shown_error.hpp"
+#include "core/base/written_number.hpp"
 
 namespace feltwire {
 namespace {
@@ -24,11 +24,7 @@ struct Unit {
 constexpr std::array<Unit, 6> kUnits = {
     {{"m", 1.0}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"in", 0.0254}, {"ft", 0.3048}}};
 
-std::string rounded(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.3g", value);
-  return text.data();
-}
+std::string rounded(double value) { return printed("%.3g", value); }
 
 double scale_of(const JsonDocument& document, const std::string& path,
                 const scene_file::Mesh& mesh) {

@@ -5,13 +5,6 @@
 namespace feltwire {
 namespace {
 
-int family_of(int descriptor) noexcept {
-  int value = AF_UNSPEC;
-  socklen_t size = sizeof value;
-  ::getsockopt(descriptor, SOL_SOCKET, SO_DOMAIN, &value, &size);
-  return value;
-}
-
 /// Makes the control data of a message, with a single entry.
 template <class Info>
 void put(msghdr& message, LocalAddressRoom& room, int level, int type, const Info& info) noexcept {
@@ -26,6 +19,13 @@ void put(msghdr& message, LocalAddressRoom& room, int level, int type, const Inf
 }
 
 }  // namespace
+
+int family_of(int descriptor) noexcept {
+  int value = AF_UNSPEC;
+  socklen_t size = sizeof value;
+  ::getsockopt(descriptor, SOL_SOCKET, SO_DOMAIN, &value, &size);
+  return value;
+}
 
 bool report_local_address(int descriptor) noexcept {
   const int on = 1;

@@ -25,6 +25,9 @@ struct LocalAddressRoom {
   alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof(in6_pktinfo))> bytes;
 };
 
+/// AF_INET or AF_INET6 of a socket; AF_UNSPEC: it is none.
+int family_of(int descriptor) noexcept;
+
 /// From now on the UDP socket tells the local address of each datagram. Call it where the socket is
 /// bound to every address; any other answers from its own. False, with errno, if the system
 /// refuses.

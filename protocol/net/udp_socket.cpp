@@ -1,4 +1,5 @@
 #include "protocol/net/udp_socket.hpp"
+#include "protocol/net/local_address.hpp"
 
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -25,13 +26,6 @@ bool set(int descriptor, int level, int option, int value) noexcept {
   return ::setsockopt(descriptor, level, option, &value, sizeof value) == 0;
 }
 
-int family(int descriptor) noexcept {
-  int value = AF_UNSPEC;
-  socklen_t size = sizeof value;
-  ::getsockopt(descriptor, SOL_SOCKET, SO_DOMAIN, &value, &size);
-  return value;
-}
-
 }  // namespace
 
 int dscp(std::string_view text) {
@@ -50,7 +44,7 @@ int dscp(std::string_view text) {
 bool set_dscp(int descriptor, int dscp) noexcept {
   const int field = dscp << kEcnBits;
   // An IPv6 socket may also carry IPv4, so set both options.
-  const bool six = family(descriptor) == AF_INET6;
+  const bool six = family_of(descriptor) == AF_INET6;
   if (six && !set(descriptor, IPPROTO_IPV6, IPV6_TCLASS, field)) return false;
   return set(descriptor, IPPROTO_IP, IP_TOS, field) || six;
 }
@@ -58,7 +52,7 @@ bool set_dscp(int descriptor, int dscp) noexcept {
 std::optional<int> get_dscp(int descriptor) noexcept {
   int field = 0;
   socklen_t size = sizeof field;
-  const bool six = family(descriptor) == AF_INET6;
+  const bool six = family_of(descriptor) == AF_INET6;
   const int got = six ? ::getsockopt(descriptor, IPPROTO_IPV6, IPV6_TCLASS, &field, &size)
                       : ::getsockopt(descriptor, IPPROTO_IP, IP_TOS, &field, &size);
   if (got != 0) return std::nullopt;
@@ -66,7 +60,7 @@ std::optional<int> get_dscp(int descriptor) noexcept {
 }
 
 bool forbid_fragments(int descriptor) noexcept {
-  const bool six = family(descriptor) == AF_INET6;
+  const bool six = family_of(descriptor) == AF_INET6;
   if (six && !set(descriptor, IPPROTO_IPV6, IPV6_MTU_DISCOVER, IPV6_PMTUDISC_DO)) return false;
   return set(descriptor, IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_DO) || six;
 }

@@ -2,22 +2,17 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <type_traits>
 
 #include "core/base/visible_text.hpp"
+#include "core/base/written_number.hpp"
 
 namespace feltwire {
 namespace {
 
 constexpr std::array<const char*, 2> kAtTheJoin = {"asked", "granted"};
 
-std::string text(double value) {
-  // Use the fewest digits that distinguish the number from its neighbours.
-  std::array<char, 32> digits;
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
-  return {digits.data(), end};
-}
+std::string text(double value) { return shortest_text(value); }
 std::string text(int value) { return std::to_string(value); }
 std::string text(const std::string& value) { return visible(value); }
 std::string text(bool value) { return value ? "on" : "off"; }

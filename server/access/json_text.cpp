@@ -1,7 +1,6 @@
 #include "server/access/json_text.hpp"
+#include "core/base/written_number.hpp"
 
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -31,9 +30,7 @@ std::string text(std::string_view text) {
 }
 
 std::string number(double value) {
-  if (!std::isfinite(value)) return "null";
-  std::array<char, 32> digits{};
-  return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr};
+  return std::isfinite(value) ? shortest_text(value) : "null";
 }
 
 std::string object(const std::vector<Member>& members) {

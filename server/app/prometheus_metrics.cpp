@@ -1,7 +1,6 @@
 #include "server/app/prometheus_metrics.hpp"
+#include "core/base/written_number.hpp"
 
-#include <array>
-#include <charconv>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -123,10 +122,7 @@ void add_scenes(std::string& text, const std::vector<SceneSummary>& scenes) {
             scene.counters.drops[i]);
 }
 
-std::string in_seconds(Nanoseconds time) {
-  std::array<char, 32> text{};
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), seconds(time)).ptr};
-}
+std::string in_seconds(Nanoseconds time) { return shortest_text(seconds(time)); }
 
 /// Adds a histogram in which each class also counts the times of all classes below it. `limits`
 /// [ns]: the upper limits of all classes but the last. `sum`: the sum of all times, if it is known.

@@ -19,13 +19,6 @@ bool is_port(std::string_view text) noexcept {
          rest == text.data() + text.size() && port > 0;
 }
 
-std::string in_lower_case(std::string_view text) {
-  std::string result(text);
-  for (char& c : result)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return result;
-}
-
 /// Reads an IPv6 address. Empty if the text is not one, or has a zone (%eth0): a zone is valid on
 /// one machine only, and no browser sends it.
 std::optional<Authority> host_in_brackets(std::string_view text) {
@@ -55,6 +48,13 @@ std::optional<Authority> plain_host(std::string_view text) {
 }
 
 }  // namespace
+
+std::string in_lower_case(std::string_view text) {
+  std::string result(text);
+  for (char& c : result)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return result;
+}
 
 std::optional<Authority> parse_authority(std::string_view text) {
   const bool brackets = text.starts_with('[');

@@ -17,4 +17,7 @@ struct Authority {
 };
 std::optional<Authority> parse_authority(std::string_view text);
 
+/// The text with its letters of ASCII in lower case.
+std::string in_lower_case(std::string_view text);
+
 }  // namespace feltwire::web

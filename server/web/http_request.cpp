@@ -1,4 +1,5 @@
 #include "server/web/http_request.hpp"
+#include "server/web/authority.hpp"
 
 #include <openssl/evp.h>
 #include <openssl/sha.h>
@@ -29,13 +30,6 @@ bool is_plain(std::string_view text) noexcept {
                      [](char c) { return (c >= ' ' && c <= '~') || c == '\t'; });
 }
 
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return result;
-}
-
 std::string_view trimmed(std::string_view text) noexcept {
   const auto first = text.find_first_not_of(" \t");
   if (first == std::string_view::npos) return {};
@@ -63,7 +57,7 @@ bool read_header(std::string_view line, HttpRequest& request) {
   if (colon == std::string_view::npos || request.headers.size() == kMostHeaders) return false;
   const std::string_view name = line.substr(0, colon), value = trimmed(line.substr(colon + 1));
   if (!is_token(name) || !is_plain(value)) return false;
-  request.headers.push_back({lower(name), std::string(value)});
+  request.headers.push_back({in_lower_case(name), std::string(value)});
   return true;
 }
 

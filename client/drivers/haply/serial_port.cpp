@@ -7,13 +7,13 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <stdexcept>
 #include <string>
 #include <system_error>
 
 #include "protocol/net/clock.hpp"
+#include "protocol/net/poll_until.hpp"
 
 namespace feltwire {
 namespace {
@@ -88,12 +88,7 @@ std::optional<std::size_t> SerialPort::read(std::span<std::uint8_t> room) const 
 }
 
 bool SerialPort::wait(Nanoseconds latest) const noexcept {
-  const Nanoseconds left = std::max(latest - monotonic_now(), Nanoseconds(0));
-  const auto whole = std::chrono::duration_cast<std::chrono::seconds>(left);
-  const timespec time{.tv_sec = static_cast<time_t>(whole.count()),
-                      .tv_nsec = static_cast<long>((left - whole).count())};
-  pollfd state{descriptor_, POLLIN, 0};
-  return ::ppoll(&state, 1, &time, nullptr) > 0;
+  return poll_until(descriptor_, POLLIN, latest);
 }
 
 }  // namespace feltwire

@@ -12,13 +12,13 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <ctime>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
 #include "core/base/splitmix.hpp"
 #include "protocol/net/clock.hpp"
+#include "protocol/net/poll_until.hpp"
 
 namespace feltwire {
 namespace {
@@ -30,15 +30,6 @@ constexpr std::string_view kMagic = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11";  // 
 
 [[noreturn]] void refuse(std::uint16_t port, const std::string& why) {
   throw std::runtime_error("127.0.0.1:" + std::to_string(port) + ": " + why);
-}
-
-bool wait_for(int descriptor, short what, Nanoseconds latest) noexcept {
-  const Nanoseconds left = std::max(latest - monotonic_now(), Nanoseconds(0));
-  const auto whole = std::chrono::duration_cast<std::chrono::seconds>(left);
-  const timespec time{.tv_sec = static_cast<time_t>(whole.count()),
-                      .tv_nsec = static_cast<long>((left - whole).count())};
-  pollfd state{descriptor, what, 0};
-  return ::ppoll(&state, 1, &time, nullptr) > 0;
 }
 
 std::string base64(std::span<const unsigned char> bytes) {
@@ -71,7 +62,7 @@ std::string shake_hands(int descriptor, std::uint16_t port) {
     error = errno;
   if (error == EINPROGRESS) {
     socklen_t size = sizeof error;
-    if (!wait_for(descriptor, POLLOUT, latest))
+    if (!poll_until(descriptor, POLLOUT, latest))
       error = ETIMEDOUT;
     else
       ::getsockopt(descriptor, SOL_SOCKET, SO_ERROR, &error, &size);
@@ -93,7 +84,7 @@ std::string shake_hands(int descriptor, std::uint16_t port) {
   std::array<char, 1024> room{};
   std::size_t end = std::string::npos;
   while ((end = head.find("\r\n\r\n")) == std::string::npos) {
-    if (head.size() > kLongestHead || !wait_for(descriptor, POLLIN, latest))
+    if (head.size() > kLongestHead || !poll_until(descriptor, POLLIN, latest))
       refuse(port,
              "the program at this port is not a WebSocket service; give the port of the maker's "
              "service");
@@ -227,7 +218,7 @@ ServiceSocket::ReceiveResult ServiceSocket::receive(Nanoseconds latest) noexcept
   while (true) {
     const ReceiveResult news = take_frames(latest);
     if (news != ReceiveResult::none || monotonic_now() >= latest) return news;
-    wait_for(connection_.descriptor, POLLIN, latest);
+    poll_until(connection_.descriptor, POLLIN, latest);
   }
 }
 
