@@ -10,8 +10,8 @@
 #include "client/app/open_client.hpp"
 #include "client/c_api/caller_device.hpp"
 #include "client/servo/device_input.hpp"
-#include "core/device/device_file.hpp"
 #include "core/base/written_number.hpp"
+#include "core/device/device_file.hpp"
 
 namespace feltwire {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "core/base/written_number.hpp"
 #include "core/dynamics/mujoco_sort.hpp"
 #include "core/dynamics/mujoco_text.hpp"
-#include "core/base/written_number.hpp"
 
 namespace feltwire::mujoco {
 namespace {

@@ -6,10 +6,10 @@
 #include <optional>
 #include <stdexcept>
 
+#include "core/base/written_number.hpp"
 #include "core/dynamics/mujoco_buffers.hpp"
 #include "core/dynamics/thin_contacts.hpp"
 #include "core/mesh/mesh_surface.hpp"
-#include "core/base/written_number.hpp"
 
 namespace feltwire::mujoco {
 namespace {

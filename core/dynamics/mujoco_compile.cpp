@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "core/base/numeric.hpp"
+#include "core/base/written_number.hpp"
 #include "core/dynamics/mass_properties.hpp"
 #include "core/dynamics/mujoco_buffers.hpp"
 #include "core/dynamics/mujoco_check.hpp"
@@ -15,7 +16,6 @@
 #include "core/dynamics/mujoco_geoms.hpp"
 #include "core/dynamics/mujoco_text.hpp"
 #include "core/mesh/mesh_surface.hpp"
-#include "core/base/written_number.hpp"
 
 namespace feltwire {
 namespace {

@@ -6,9 +6,9 @@
 #include <cstddef>
 #include <limits>
 
+#include "core/base/written_number.hpp"
 #include "core/dynamics/mujoco_error_trap.hpp"
 #include "core/scene/mechanism.hpp"
-#include "core/base/written_number.hpp"
 
 namespace feltwire::mujoco {
 namespace {
@@ -149,9 +149,8 @@ std::string warning_of(const Object& upper, const Object& lower, const GeomExten
   std::string text =
       "object '" + upper.name + "' (" + printed("%.3g mm", thick(a)) + " thick) falls " +
       printed("%.3g m", fall.height) + " onto '" + lower.name + "' (" +
-      printed("%.3g mm", thick(b)) + ") and comes with " +
-      printed("%.3g m/s", fall.speed) + "; with a tick of " +
-      printed("%.3g ms", 1e3 * tick) + " they hold each other up to " +
+      printed("%.3g mm", thick(b)) + ") and comes with " + printed("%.3g m/s", fall.speed) +
+      "; with a tick of " + printed("%.3g ms", 1e3 * tick) + " they hold each other up to " +
       printed("%.3g m/s", fall.held) + ", so it may fall through; make " +
       (fall.thickness < a.thickness + b.thickness
            ? "the capsule at least " + printed("%.3g mm", 1e3 * fall.thickness / share) +
@@ -160,9 +159,9 @@ std::string warning_of(const Object& upper, const Object& lower, const GeomExten
                  " thick together");
   if (share * tick >= kLeastTick)
     text += ", or give a tick of at most " + printed("%.2g s", share * tick);
-  return text + (lowest > 0.0 ? ", or let it begin at most " +
-                                    printed("%.3g mm", 1e3 * lowest) + " above"
-                              : ", or lay it flat: it topples");
+  return text + (lowest > 0.0
+                     ? ", or let it begin at most " + printed("%.3g mm", 1e3 * lowest) + " above"
+                     : ", or lay it flat: it topples");
 }
 
 }  // namespace

@@ -70,8 +70,8 @@ void BrickSampler<Real>::place(const GridOptions& options) {
     throw std::invalid_argument("resolution: must be above zero [m], is " + shortest_text(h) +
                                 "; give the distance between samples");
   if (!(options.band >= 0.0) || !std::isfinite(options.band))
-    throw std::invalid_argument("band: must be at least zero [m], is " + shortest_text(options.band) +
-                                "; leave it out or give a depth");
+    throw std::invalid_argument("band: must be at least zero [m], is " +
+                                shortest_text(options.band) + "; leave it out or give a depth");
   const Vec3 extent = solid.high - solid.low;
   if (!extent.allFinite() || !(extent.minCoeff() >= 0.0))
     throw std::invalid_argument(
@@ -90,10 +90,11 @@ void BrickSampler<Real>::place(const GridOptions& options) {
   const auto limit = static_cast<double>(options.max_bytes);
   if (!(wanted.maxCoeff() < kMaxBricksAlong) || !(bytes < limit))
     throw std::invalid_argument(
-        "resolution: " + shortest_text(h) + " m over an extent of " + shortest_text(extent.maxCoeff()) +
-        " m takes more than the limit of " + shortest_text(limit / (1 << 20)) +
-        " MiB; give a larger one, at least " +
-        shortest_text(h * std::max(1.5 * std::cbrt(bytes / limit), wanted.maxCoeff() / kMaxBricksAlong)));
+        "resolution: " + shortest_text(h) + " m over an extent of " +
+        shortest_text(extent.maxCoeff()) + " m takes more than the limit of " +
+        shortest_text(limit / (1 << 20)) + " MiB; give a larger one, at least " +
+        shortest_text(
+            h * std::max(1.5 * std::cbrt(bytes / limit), wanted.maxCoeff() / kMaxBricksAlong)));
   grid.count = wanted.cast<int>();
   grid.origin = 0.5 * (solid.low + solid.high) - 0.5 * brick * wanted + Vec3::Constant(0.5 * h);
   const auto size = static_cast<std::size_t>(entries);
@@ -124,10 +125,10 @@ void BrickSampler<Real>::choose(std::size_t max_bytes) {
   const auto limit = static_cast<double>(max_bytes);
   if (bytes > limit)
     throw std::invalid_argument(
-        "resolution: " + shortest_text(grid.h) + " m takes " + shortest_text(std::ceil(bytes / (1 << 20))) +
-        " MiB, more than the limit of " + shortest_text(limit / (1 << 20)) +
-        " MiB; give a larger one, about " + shortest_text(1.1 * grid.h * std::sqrt(bytes / limit)) +
-        ", or a thinner band");
+        "resolution: " + shortest_text(grid.h) + " m takes " +
+        shortest_text(std::ceil(bytes / (1 << 20))) + " MiB, more than the limit of " +
+        shortest_text(limit / (1 << 20)) + " MiB; give a larger one, about " +
+        shortest_text(1.1 * grid.h * std::sqrt(bytes / limit)) + ", or a thinner band");
 }
 
 template <class Real>

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh/triangle_mesh.hpp"
 #include "core/base/written_number.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace feltwire {
 namespace {
@@ -30,7 +30,8 @@ std::string mend_text(const MeshReport& report) {
   // Largest width of a narrow hole, as a share of the longest side.
   constexpr double kNarrow = 1e-3;
   if (report.holes.count == 0 || report.holes.widest > kNarrow * report.size) return "mend it";
-  return "set \"weld\": " + printed("%.2g", 2.0 * report.holes.widest) + ", which closes narrow holes, or mend it";
+  return "set \"weld\": " + printed("%.2g", 2.0 * report.holes.widest) +
+         ", which closes narrow holes, or mend it";
 }
 
 std::vector<std::string> warnings(const MeshReport& report, bool closed) {

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <functional>
 
+#include "core/base/written_number.hpp"
 #include "core/grid/distance_grid.hpp"
 #include "core/mesh/mesh_distance.hpp"
 #include "core/mesh/mesh_surface.hpp"
 #include "core/scene/validation.hpp"
 #include "core/tool/body_tool.hpp"
 #include "core/tool/polygon_body.hpp"
-#include "core/base/written_number.hpp"
 
 namespace feltwire {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/base/numeric.hpp"
-#include "core/mesh/mesh_surface.hpp"
 #include "core/base/written_number.hpp"
+#include "core/mesh/mesh_surface.hpp"
 
 namespace feltwire {
 namespace {

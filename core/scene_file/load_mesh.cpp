@@ -7,12 +7,12 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/base/written_number.hpp"
 #include "core/mesh/height_map.hpp"
 #include "core/mesh/mesh_surface.hpp"
 #include "core/scene_file/read_parts.hpp"
 #include "core/scene_file/read_values.hpp"
 #include "core/scene_file/shown_error.hpp"
-#include "core/base/written_number.hpp"
 
 namespace feltwire {
 namespace {

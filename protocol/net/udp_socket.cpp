@@ -1,5 +1,4 @@
 #include "protocol/net/udp_socket.hpp"
-#include "protocol/net/local_address.hpp"
 
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -9,6 +8,8 @@
 #include <charconv>
 #include <stdexcept>
 #include <utility>
+
+#include "protocol/net/local_address.hpp"
 
 namespace feltwire {
 namespace {

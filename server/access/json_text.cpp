@@ -1,8 +1,9 @@
 #include "server/access/json_text.hpp"
-#include "core/base/written_number.hpp"
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+
+#include "core/base/written_number.hpp"
 
 namespace feltwire::json_text {
 namespace {
@@ -29,9 +30,7 @@ std::string text(std::string_view text) {
   return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-std::string number(double value) {
-  return std::isfinite(value) ? shortest_text(value) : "null";
-}
+std::string number(double value) { return std::isfinite(value) ? shortest_text(value) : "null"; }
 
 std::string object(const std::vector<Member>& members) {
   std::vector<std::string> entries;

@@ -1,9 +1,10 @@
 #include "server/app/prometheus_metrics.hpp"
-#include "core/base/written_number.hpp"
 
 #include <optional>
 #include <span>
 #include <string_view>
+
+#include "core/base/written_number.hpp"
 
 namespace feltwire {
 namespace {

@@ -1,11 +1,12 @@
 #include "server/web/http_request.hpp"
-#include "server/web/authority.hpp"
 
 #include <openssl/evp.h>
 #include <openssl/sha.h>
 
 #include <algorithm>
 #include <array>
+
+#include "server/web/authority.hpp"
 
 namespace feltwire {
 namespace {

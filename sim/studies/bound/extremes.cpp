@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <stdexcept>
 
 #include "client/hands/simulated_device.hpp"
-#include "core/bounding/account.hpp"
-#include "core/bounding/device_account.hpp"
 #include "core/scene/scene.hpp"
+#include "sim/studies/bound/bound_in_session.hpp"
 #include "sim/studies/bound/in_float.hpp"
 #include "sim/studies/bound/stress_inputs.hpp"
 
@@ -20,23 +18,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kSteps = 1500;            // number of steps of each hand
 constexpr int kSceneSteps = 2000;       // largest number of steps at a wall
 constexpr double kLongestScene = 20.0;  // [s] longest simulated time at a wall
-
-/// Converts a number to Real (double or float). A number beyond the range of Real becomes infinite.
-template <class Real>
-Real narrowed(double value) {
-  if (std::abs(value) > std::numeric_limits<Real>::max())
-    return std::copysign(std::numeric_limits<Real>::infinity(),
-                         static_cast<Real>(value > 0 ? 1 : -1));
-  return static_cast<Real>(value);
-}
-template <class Real>
-Vector3<Real> narrowed(const Vec3& v) {
-  return {narrowed<Real>(v.x()), narrowed<Real>(v.y()), narrowed<Real>(v.z())};
-}
-template <class Real>
-BasicCommand<Real> narrowed(const Command& c) {
-  return {narrowed<Real>(c.elastic), narrowed<Real>(c.frictional), narrowed<Real>(c.torque)};
-}
 
 /// The number of inputs of a step, and the index of the hold time. A step has five vectors of three
 /// inputs each, then the hold time. The hold time counts as three inputs, so that it is chosen as
@@ -119,53 +100,6 @@ template <class Real>
 Promise promise_in_session(const BasicBoundingMethod<Real>& method, const Faults& faults) {
   return method.shapes ? Promise::port : promise(method, faults);
 }
-
-/// The account of a device of unknown mass, that any hand may hold. It looks ahead, as a session's
-/// does behind a method that shapes.
-AccountConfig looking_ahead(const BoundingConfig& bound) {
-  DeviceSpec device;
-  device.damping = bound.damping;
-  device.rotational_damping = bound.rotational_damping;
-  device.rotation_actuated = 3;
-  AccountConfig account = any_hand_account(device, bound.period);
-  account.looks_ahead = true;
-  return account;
-}
-
-/// A method as a session runs it: the bound, then the account if the method shapes. The account
-/// computes in double, and its result is rounded to Real.
-template <class Real>
-class BoundInSession {
- public:
-  BoundInSession(const BasicBoundingMethod<Real>& method, const BoundingConfig& config)
-      : bounding_(method, config) {
-    if (method.shapes) account_.emplace(looking_ahead(config));
-  }
-
-  BasicBounded<Real> step(const BasicBoundingStep<Real>& told) {
-    BasicBounded<Real> out = bounding_.step(told);
-    if (!account_) return out;
-    BoundingStep paid{told.displacement.template cast<double>(),
-                      told.rotation.template cast<double>(), static_cast<double>(told.hold_time),
-                      out.rendered.template cast<double>()};
-    // A session tells the account of an unknown movement when it refuses one.
-    if (out.refused) paid.displacement.setConstant(kNan);
-    out.rendered = narrowed<Real>(account_->step(paid));
-    set_held(out.rendered);
-    return out;
-  }
-  void set_held(const BasicCommand<Real>& held) {
-    bounding_.set_held(held);
-    if (account_) account_->set_held(held.template cast<double>());
-  }
-  BasicProbe<Real> probe(const Vector3<Real>& displacement, const Vector3<Real>& rotation) const {
-    return bounding_.probe(displacement, rotation);
-  }
-
- private:
-  BasicBounding<Real> bounding_;
-  std::optional<PortAccount> account_;
-};
 
 /// Computes the work of the scene on the tool of a virtual coupling, and adds it to the ledger. The
 /// position of the tool has the precision of Real.

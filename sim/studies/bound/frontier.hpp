@@ -82,6 +82,9 @@ std::vector<FrontierCase> published_cases();
 /// `told`: the laws and the accounts are told the lag of the plant's amplifier.
 std::vector<FrontierCase> plant_cases(const Plant& plant, bool told = false);
 
+/// Whether the task of a case is on the wall of paper_wall.json, which any hand can touch.
+bool on_wall(const std::string& task);
+
 /// Runs every case, deterministic; rows in the order of the cases.
 std::vector<FrontierRow> run_frontier(const std::vector<FrontierCase>& cases);
 
