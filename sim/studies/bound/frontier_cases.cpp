@@ -8,7 +8,7 @@
 namespace feltwire {
 namespace {
 
-constexpr double kStiffEnough = 150.0;   // [N/m] softer hands run only the tasks of on_wall()
+constexpr double kStiffEnough = 150.0;  // [N/m] softer hands run only the tasks of on_wall()
 
 struct Law {
   const char* name;
