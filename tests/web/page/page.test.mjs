@@ -378,7 +378,7 @@ test('on a phone every button can be tapped', async () => {
   await page.tap('#hold');
   await until(() => window.feltwire().held);
   const {places: [, bob]} = await state();
-  await page.tap('#see-hand');  // It is in the middle of the view then.
+  await page.tap('#follow');  // The hand is in the middle of the view then.
   await until(([x, y]) => Math.hypot(window.feltwire().places[1].x - x, window.feltwire().places[1].y - y) > 1, [bob.x, bob.y]);
   await until(() => {
     const {width, height} = document.querySelector('#canvas').getBoundingClientRect();

@@ -93,6 +93,8 @@ export class Play {
     this.names = ['alice', 'bob', 'carol', 'dave'];  // of clients; others are guests
     this.reasons = null;  // of every hand; null: what it does
     this.balance = null;  // [J] of every account; null: some
+    this.gain = 1;  // of all forces
+    this.away = [0, 0, 0];  // [m] that the first hand is away from the others
     this.began = process.hrtime.bigint();
     this.energy = Array.from({length: hands}, () => ({delivered: 0, burned: 0, force: 0, depth: 0}));
     const ball = ballShape(RADIUS);
@@ -216,7 +218,7 @@ export class Play {
     const way = [-Math.sin(turn), Math.cos(turn), 0];
     const ball = this.#ball(time);
     const surface = onBall ? normal.map((n, k) => ball[k] + RADIUS * n) : [-0.02 + reach * Math.cos(turn), reach * Math.sin(turn) - 0.01 * (i >> 1), 0];
-    const proxy = surface.map((x, k) => x + above * normal[k]);
+    const proxy = surface.map((x, k) => x + above * normal[k] + (i === 0 ? this.away[k] : 0));
     const position = proxy.map((x, k) => x - deep * normal[k]);
     const elastic = normal.map((n) => STIFFNESS * deep * n);
     const friction = way.map((w) => -0.35 * STIFFNESS * deep * w);
@@ -233,8 +235,8 @@ export class Play {
     buffer.writeUInt32LE(i + 1, at);
     buffer.writeUInt32LE(reasons >>> 0, at + 4);
     const tilt = 0.35;
-    [...position, Math.cos(tilt / 2), Math.sin(tilt / 2) * Math.sin(turn / 3), Math.sin(tilt / 2) * Math.cos(turn / 3), 0, ...proxy, ...elastic,
-      ...friction, ...rendered, deep, own.delivered, own.burned, this.balance ?? 0.004 + 0.002 * Math.sin(time), 1000, i === 1 ? 0.013 : 0,
+    [...position, Math.cos(tilt / 2), Math.sin(tilt / 2) * Math.sin(turn / 3), Math.sin(tilt / 2) * Math.cos(turn / 3), 0, ...proxy,
+      ...[...elastic, ...friction, ...rendered].map((f) => this.gain * f), deep, own.delivered, own.burned, this.balance ?? 0.004 + 0.002 * Math.sin(time), 1000, i === 1 ? 0.013 : 0,
       i === 3 ? NaN : 0.0031 + 0.001 * i + 0.0004 * Math.sin(7 * time)].forEach((value, k) => buffer.writeFloatLE(value, at + 8 + 4 * k));
   }
 }

@@ -1,4 +1,5 @@
-// A plane of the scene, drawn as a large square with lines that fade with the distance.
+// A plane of the scene, drawn as a large square with lines that fade with the distance. From behind, from within the solid, it is
+// hatched, as a solid is in a drawing of mechanics.
 
 import {Color, DoubleSide, Mesh, PlaneGeometry, Quaternion, ShaderMaterial, Vector3} from 'three';
 
@@ -14,6 +15,7 @@ uniform vec3 surface;
 uniform vec3 line;
 uniform float spacing;
 uniform float reach;
+uniform float hatch;
 varying vec2 place;
 float lines(float step) {
   vec2 at = place / step;
@@ -25,9 +27,18 @@ float lines(float step) {
 void main() {
   float near = 1.0 - smoothstep(0.35 * reach, reach, length(place));
   float drawn = max(0.55 * lines(spacing), lines(5.0 * spacing));
-  gl_FragColor = vec4(mix(surface, line, drawn), near * mix(0.5, 0.9, drawn));
+  float opacity = mix(0.5, 0.9, drawn);
+  if (!gl_FrontFacing) {
+    float stripe = fract(dot(gl_FragCoord.xy, vec2(0.7071)) / hatch);
+    float hatched = 1.0 - smoothstep(0.05, 0.1, min(stripe, 1.0 - stripe));
+    drawn = max(0.6 * drawn, 0.7 * hatched);
+    opacity = mix(0.6, 0.8, hatched);
+  }
+  gl_FragColor = vec4(mix(surface, line, drawn), near * opacity);
   #include <colorspace_fragment>
 }`;
+
+const HATCH = 16;  // [px] between two strokes
 
 /**
  * @param {{point: number[], normal: number[]}} plane
@@ -38,7 +49,7 @@ export function makeFloor(plane, frame, spacing) {
   const normal = new Vector3(...plane.normal).normalize();
   const reach = 3 * frame.size;
   const material = new ShaderMaterial({
-    uniforms: {surface: {value: new Color()}, line: {value: new Color()}, spacing: {value: spacing}, reach: {value: reach}},
+    uniforms: {surface: {value: new Color()}, line: {value: new Color()}, spacing: {value: spacing}, reach: {value: reach}, hatch: {value: HATCH * Math.min(devicePixelRatio, 2)}},
     vertexShader: VERTEX, fragmentShader: FRAGMENT, transparent: true, depthWrite: false, side: DoubleSide,
   });
   const mesh = new Mesh(new PlaneGeometry(2 * reach, 2 * reach), material);

@@ -39,6 +39,7 @@ export class HandView {
     this.group.add(this.trails.mesh);
     this.colors = {};
     this.longest = 0;  // [m] of all arrows of the last picture, as drawn
+    this.strongest = 0;  // [N] of their forces
   }
 
   /** @param {{ink: string, muted: string, chosen: string, elastic: string, friction: string, rendered: string}} colors */
@@ -58,7 +59,7 @@ export class HandView {
    */
   show(picture, how) {
     for (const pool of this.pools) pool.clear();
-    this.longest = 0;
+    this.longest = this.strongest = 0;
     for (let i = 0; i < picture.hands; ++i) this.#showHand(picture, picture.handAt(i), how);
     for (const pool of this.pools) pool.done();
   }
@@ -94,7 +95,9 @@ export class HandView {
       this.discs.add(proxy, turn, scale.setScalar(18 * pixel));
     }
     for (const kind of ['rendered', 'elastic', 'friction']) {
-      vector.fromArray(floats, at + AT[kind]).multiplyScalar(how.perNewton);
+      vector.fromArray(floats, at + AT[kind]);
+      this.strongest = Math.max(this.strongest, vector.length());
+      vector.multiplyScalar(how.perNewton);
       this.longest = Math.max(this.longest, vector.length());
       this.arrows[kind].add(proxy, vector, pixel);
     }

@@ -25,13 +25,8 @@ function put(label, seen, left, top) {
 }
 
 export class Labels {
-  /**
-   * @param {HTMLElement} parent lets the pointer through, so that a drag that begins on a label turns the camera
-   * @param {HTMLElement[]} covers lie above it: no label is placed below them
-   */
-  constructor(parent, covers = []) {
-    this.covers = covers;
-    this.covered = [];
+  /** @param {HTMLElement} parent lets the pointer through, so that a drag that begins on a label turns the camera */
+  constructor(parent) {
     this.parent = parent;
     this.labels = new Map();
     this.axes = new Map();
@@ -59,11 +54,10 @@ export class Labels {
     }
     const first = wanted.findIndex(({label}) => label === this.labels.get(this.chosen));
     if (first > 0) wanted.unshift(...wanted.splice(first, 1));  // It has the first choice.
-    const taken = [...this.covered];
-    const most = taken.length + MOST;
+    const taken = [];
     let hidden = 0;
     for (const {label, x, y} of wanted) {
-      const place = taken.length < most ? this.#freePlace(label, x, y, taken) : null;
+      const place = taken.length < MOST ? this.#freePlace(label, x, y, taken) : null;
       if (place) taken.push(place);
       else hidden += 1;
       put(label, place !== null, place?.left ?? 0, place?.top ?? 0);
@@ -100,8 +94,6 @@ export class Labels {
       changed.push(label);
     }
     for (const label of changed) [label.width, label.height] = [label.element.offsetWidth, label.element.offsetHeight];  // One layout for all.
-    const corner = this.parent.getBoundingClientRect();
-    this.covered = this.covers.map((cover) => cover.getBoundingClientRect()).map(({left, top, width, height}) => ({left: left - corner.left, top: top - corner.top, width, height}));
   }
 
   /** @returns {number | null} number of the hand whose label is at a place of the window */

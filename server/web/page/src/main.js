@@ -7,12 +7,14 @@ import {make} from './elements.js';
 import {Foxglove} from './foxglove.js';
 import {Hands} from './hands.js';
 import {Labels} from './labels.js';
+import {readLink} from './link.js';
 import {KIND, Picture, readGeometry} from './messages.js';
 import {OwnHand} from './own_hand.js';
 import {robotTexts} from './robot.js';
 import {bindKeys, followTheme, makeSplit} from './panels.js';
 import {Plots} from './plots.js';
 import {Replay} from './replay/replay.js';
+import {SceneBar} from './scene_bar.js';
 import {Sessions} from './sessions.js';
 import {standsAlone} from './stands_alone.js';
 import {Times} from './times.js';
@@ -32,11 +34,13 @@ const hands = new Hands();
 const plots = new Plots(element('plots'));
 const why = new Why(element('sentence'), element('reasons'));
 const sessions = new Sessions(document.querySelector('#sessions table'), element('columns'), choose);
-const labels = new Labels(element('labels'), [element('scales')]);
+const labels = new Labels(element('labels'));
+const bar = new SceneBar(view, () => page);
 const admin = new Admin(element('admin'), element('admin-open'), (message) => connection.send(message));
 const foxglove = new Foxglove(element('foxglove'));
 const times = new Times(element('times'), () => page.scene, () => ({name: sessions.name(page.chosen), session: sessions.sessions.get(page.chosen)}));
-const page = {scene: '', pictures: 0, firstPicture: null, sceneAt: null, unread: 0, held: false, chosen: null, connection: ''};
+let link = readLink(location.hash);  // what of it is still to be followed
+const page = {scene: link.scene, pictures: 0, firstPicture: null, sceneAt: null, unread: 0, held: false, chosen: null, connection: ''};
 const replay = new Replay(() => connection.end('Recordings are read on this machine; nothing is sent.'));
 let latest = new Picture();  // the newest that came
 let spare = new Picture();  // the one that is read next
@@ -65,7 +69,7 @@ const own = new OwnHand({
   send: (message) => connection.send(message), found: choose,
   scale(factor) {
     view.depthFactor = factor;
-    showScales();
+    bar.show();
   },
 });
 
@@ -89,7 +93,8 @@ function takeText(message) {
       view.setScene(message);
       page.sceneAt ??= performance.now();
       admin.scene(message);
-      showScales();
+      bar.show();
+      followLink();
       break;
     case 'sessions':
       sessions.set(message.sessions ?? []);
@@ -164,6 +169,30 @@ function showScenes(names) {
   }
 }
 
+/** Whether the scene of the link is watched. */
+const isLinked = () => link.scene === '' || link.scene === page.scene;
+
+/** Puts the camera where the link says. */
+function followLink() {
+  if (link.pose === null || !isLinked()) return;
+  bar.follow(false);
+  view.pose = link.pose;
+  link.pose = null;
+}
+
+function chooseLinked() {
+  const number = link.hand;
+  link.hand = null;
+  choose(number);
+}
+
+/** Another link was opened in this window. */
+function takeLink() {
+  link = readLink(location.hash);
+  if (isLinked()) followLink();
+  else connection.send({watch: link.scene});
+}
+
 /** @param {number | null} number of a hand, or null for none */
 function choose(number) {
   page.chosen = number;
@@ -201,36 +230,6 @@ function writeTexts() {
   element('empty').textContent = 'No hand is in this scene yet.';
 }
 
-function showScales() {
-  element('arrow-scale').textContent = `1 N = ${words.distance(view.perNewton)}`;
-  element('depth-scale').textContent = view.depthFactor === 1 ? 'drawn as it is' : `drawn × ${view.depthFactor}`;
-  element('grid-name').textContent = view.objects?.planes.length > 0 ? 'Grid' : 'Axes';
-  element('grid-scale').textContent = words.distance(view.spacing);
-  view.stale = true;
-}
-
-function scaleArrows(steps) {
-  view.perNewton = words.stepped(view.perNewton, steps);
-  showScales();
-}
-
-function scaleDepth(steps) {
-  view.depthFactor = Math.min(Math.max(words.stepped(view.depthFactor, steps), 1), 50);
-  showScales();
-}
-
-function showTrails() {
-  view.hands.trails.shown = !view.hands.trails.shown;
-  element('trails').setAttribute('aria-pressed', String(view.hands.trails.shown));
-  view.stale = true;
-}
-
-function showSurfaces() {
-  view.surfaces.shown = !view.surfaces.shown;
-  element('surfaces').setAttribute('aria-pressed', String(view.surfaces.shown));
-  view.stale = true;
-}
-
 function hold() {
   page.held = !page.held;
   element('hold').setAttribute('aria-pressed', String(page.held));
@@ -265,6 +264,7 @@ function step(now) {
   if (arrived) {
     arrived = false;
     view.show(latest);
+    if (link.hand !== null && isLinked() && hands.all.has(link.hand)) chooseLinked();
   }
   if (hands.changed || now - written > TEXT_PERIOD) {
     hands.changed = false;
@@ -275,6 +275,7 @@ function step(now) {
   // With software rendering, frames of an empty view would delay the first picture.
   if ((page.pictures > 0 || (page.sceneAt !== null && now - page.sceneAt > PICTURE_PATIENCE)) && view.render()) {
     labels.move(view);
+    bar.step();
     drawn ||= page.pictures > 0;
   }
   if (page.firstPicture !== null || now > PLOT_PATIENCE) plots.begin();
@@ -297,6 +298,7 @@ element('canvas').addEventListener('pointerup', (event) => {
 });
 element('scenes').onchange = (event) => connection.send({watch: event.target.value});
 element('seconds').onchange = (event) => (plots.seconds = Number(event.target.value));
+addEventListener('hashchange', takeLink);
 element('retry').onclick = () => connection.connect();
 element('hold').onclick = hold;
 element('help-open').onclick = openHelp;
@@ -306,14 +308,6 @@ element('foxglove-open').onclick = () => {
 };
 element('previous').onclick = () => chooseNext(-1);
 element('next').onclick = () => chooseNext(1);
-element('arrow-less').onclick = () => scaleArrows(-1);
-element('arrow-more').onclick = () => scaleArrows(1);
-element('depth-less').onclick = () => scaleDepth(-1);
-element('depth-more').onclick = () => scaleDepth(1);
-element('see-all').onclick = () => view.lookAtAll();
-element('see-hand').onclick = () => view.lookAtHand(page.chosen);
-element('trails').onclick = showTrails;
-element('surfaces').onclick = showSurfaces;
 element('times-open').onclick = () => times.open();
 element('log').querySelector('button').onclick = () => (element('log').hidden = true);
 element('token').addEventListener('cancel', (event) => event.preventDefault());
@@ -329,15 +323,9 @@ bindKeys(element('keys'), [
   {keys: ['ArrowLeft', 'ArrowRight'], shown: '← →', text: 'turn the camera about the vertical', act: (key) => view.turn(key === 'ArrowLeft' ? -0.1 : 0.1, 0)},
   {keys: ['ArrowUp', 'ArrowDown'], shown: '↑ ↓', text: 'raise, lower the camera', act: (key) => view.turn(0, key === 'ArrowUp' ? -0.1 : 0.1)},
   {keys: ['+', '=', '-'], shown: '+ −', text: 'zoom in, out', act: (key) => view.zoom(key === '-' ? 1 / 1.2 : 1.2)},
-  {keys: ['f'], text: 'show the whole scene', act: () => view.lookAtAll()},
-  {keys: ['c'], text: 'put the chosen hand in the middle', act: () => view.lookAtHand(page.chosen)},
-  {keys: ['x', 'y', 'z'], shown: 'x, y, z', text: 'look along an axis', act: (key) => view.lookAlong(key)},
-  {keys: [',', '.'], shown: ', .', text: 'shorter, longer arrows', act: (key) => scaleArrows(key === '.' ? 1 : -1)},
-  {keys: [';', "'"], shown: "; '", text: 'less, more exaggeration of depth', act: (key) => scaleDepth(key === "'" ? 1 : -1)},
+  ...bar.bindings(),
   {keys: ['g'], text: 'grasp: take a hand, let it go', act: () => own.toggle()},
-  {keys: ['t'], text: 'trails on or off', act: showTrails},
   {keys: [' '], shown: 'space', text: 'hold the picture, go on', act: hold},
-  {keys: ['s'], text: 'surfaces of local models on or off', act: showSurfaces},
   {keys: ['o'], text: 'open a recording', act: () => element('recording-files').click()},
   {keys: ['h'], text: 'times of the server and of the chosen hand, as histograms', act: () => times.open()},
   {keys: ['l'], text: 'light or dark', act: () => element('theme').click()},
@@ -351,7 +339,7 @@ followTheme(element('theme'), (colors) => {
   replay.paint(colors);
   own.paint(colors);
 });
-showScales();
+bar.show();
 if (standsAlone()) replay.start();
 else connection.connect();
 requestAnimationFrame(step);
@@ -361,6 +349,7 @@ window.feltwire = () => ({
   ...page, frames: view.frames, hands: hands.numbers(), longestArrow: view.hands.longest, perNewton: view.perNewton,
   bodies: view.objects?.bodies.size ?? 0, bodyPlaces: view.objects?.places() ?? [], time: view.picture?.time ?? null, plotted: {points: plots.points, last: plots.panes.map((pane) => pane.plot?.data.slice(1).map((column) => column.at?.(-1)))},
   places: view.places(), robots: view.robots.look(), surfaces: view.surfaces.mesh.visible ? view.surfaces.count : 0,
+  strongest: view.strongest, viewHeight: view.pixel * view.height, axes: [view.origin, ...view.axisEnds.map(({point}) => point)].map((point) => view.projectPoint(point, {x: 0, y: 0, seen: false})), pose: view.pose,
   guides: view.objects?.guides.length ?? 0, trails: view.hands.trails.shown ? view.hands.trails.lengths() : [],
   solids: view.objects?.sizes() ?? [],
   toolBalls: view.tools.balls.count, toolPoints: view.tools.dots.count, replay: replay.state(), own: own.look(hands.all.get(own.number)),

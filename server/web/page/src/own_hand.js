@@ -40,6 +40,7 @@ export class OwnHand {
     this.moved = false;
     this.pointers = new Map();  // that move the hand
     this.stepped = 0;
+    this.touch = matchMedia('(pointer: coarse)');
     this.spring = new Spring();
     page.view.scene.add(this.spring.group);
     page.button.onclick = () => this.toggle();
@@ -140,7 +141,7 @@ export class OwnHand {
       const stretch = this.stretch(hand);
       const pull = this.stiffness * Math.min(stretch, this.reach);
       text = `It feels ${words.force(hand.rendered)}. The spring pulls with ${words.force(pull)} over ${words.depth(stretch)}. ` +
-        'Drag it, wheel for depth, or use the arrow keys and Page Up and Down; Escape lets go.';
+        (this.touch.matches ? 'Drag it; a second finger moves it away and nearer.' : 'Drag it, wheel for depth, or use the arrow keys and Page Up and Down; Escape lets go.');
     }
     if (values.textContent !== text) values.textContent = text;
   }

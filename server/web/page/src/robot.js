@@ -18,6 +18,7 @@ export class Robots {
     this.group = new Group();
     this.all = [];
     this.colors = null;
+    this.strongest = 0;  // [N] of the forces on their tools
   }
 
   /** @param {object} colors of the theme */
@@ -35,7 +36,11 @@ export class Robots {
       this.group.add(robot.group);
       this.all.push(robot);
     }
-    this.all.forEach((robot, i) => robot.show(picture, places[i] ?? -1, how));
+    this.strongest = 0;
+    this.all.forEach((robot, i) => {
+      robot.show(picture, places[i] ?? -1, how);
+      this.strongest = Math.max(this.strongest, robot.newtons);
+    });
   }
 
   /** For tests. @returns {{tool: number[], target: number[], forces: number}[]} what is drawn */
@@ -67,6 +72,7 @@ class Robot {
   /** @param {import('./messages.js').Picture} picture @param {number} at where its record begins; negative: it is gone */
   show(picture, at, how) {
     this.group.visible = at >= 0;
+    this.newtons = 0;
     if (at < 0) return;
     const {floats} = picture;
     tool.fromArray(floats, at + ROBOT_AT.position);
@@ -77,7 +83,10 @@ class Robot {
     this.spring.addAlong(tool, vector.copy(target).sub(tool), how.pixel);
     this.spring.done();
     this.force.clear();
-    if (picture.words[at + ROBOT_AT.flags] & FLAG.sensed) this.force.add(tool, vector.fromArray(floats, at + ROBOT_AT.force).multiplyScalar(how.perNewton), how.pixel);
+    if (picture.words[at + ROBOT_AT.flags] & FLAG.sensed) {
+      this.newtons = vector.fromArray(floats, at + ROBOT_AT.force).length();
+      this.force.add(tool, vector.multiplyScalar(how.perNewton), how.pixel);
+    }
     this.force.done();
   }
 

@@ -4,12 +4,13 @@ import {forSession} from './kept.js';
 
 export const TOKEN_KEY = 'feltwire-token';  // of the session's storage
 
-/** Moves a token from the URL's fragment to the session's storage, so that it stays in no history and no screenshot. */
+/** Moves a token from the URL's fragment to the session's storage, so that it stays in no history and no screenshot. The rest stays. */
 export function takeToken() {
   const given = new URLSearchParams(location.hash.slice(1)).get('token');
   if (given) {
     forSession.set(TOKEN_KEY, given);
-    history.replaceState(null, '', location.pathname + location.search);
+    const rest = location.hash.slice(1).split('&').filter((part) => !part.startsWith('token=')).join('&');
+    history.replaceState(null, '', location.pathname + location.search + (rest && `#${rest}`));
   }
   return forSession.get(TOKEN_KEY);
 }

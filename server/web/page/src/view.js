@@ -1,10 +1,8 @@
 // The 3D view: renderer, camera, objects and hands. z is up.
 
-import {
-  AmbientLight, BufferGeometry, Color, DirectionalLight, LineBasicMaterial, LineSegments, PerspectiveCamera, Scene, Spherical, Vector3,
-  WebGLRenderer,
-} from 'three';
+import {AmbientLight, Color, DirectionalLight, PerspectiveCamera, Scene, Spherical, Vector3, WebGLRenderer} from 'three';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
+import {Arrows} from './arrows.js';
 import {makeContext} from './context.js';
 import {HandView, toolPlace} from './hand_view.js';
 import {AT} from './messages.js';
@@ -16,7 +14,8 @@ import {roundDown} from './words.js';
 
 const START = new Vector3(0.55, -1, 0.5).normalize();  // from where the camera looks at first
 const MARGIN = 0.92;  // share of the view that the box takes
-const place = new Vector3();
+const FOLLOWING = 0.15;  // [s] in which the camera has made most of the way to the hand that it follows
+const [place, step] = [new Vector3(), new Vector3()];
 
 export class View {
   /** @param {HTMLCanvasElement} canvas */
@@ -39,8 +38,8 @@ export class View {
     this.robots = new Robots();
     this.seats = [];  // names of the robots' seats
     this.scene.add(this.hands.group, this.tools.group, this.surfaces.mesh, this.robots.group);
-    this.axes = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
-    this.scene.add(this.axes);
+    this.axes = new Arrows(this.scene, {width: 2, opacity: 1, order: 2});  // of the world
+    this.origin = new Vector3();  // of the axes
     this.axisEnds = ['x', 'y', 'z'].map((name) => ({name, point: new Vector3()}));
     this.objects = null;
     this.frame = {center: new Vector3(), extent: new Vector3(0.1, 0.1, 0.1), size: 0.2};
@@ -49,6 +48,7 @@ export class View {
     this.depthFactor = 5;
     this.picture = null;
     this.chosen = null;
+    this.follows = false;  // whether the camera keeps the chosen hand in its middle
     this.colors = null;
     this.stale = true;
     this.frames = 0;
@@ -75,7 +75,7 @@ export class View {
     this.surfaces.count = 0;
     this.surfaces.size = this.frame.size;
     this.scene.add(this.objects.group);
-    this.#showAxes(from);
+    this.#placeAxes(from);
     if (this.colors) this.objects.paint(this.colors);
     this.camera.near = 0.01 * this.frame.size;
     this.camera.far = 60 * this.frame.size;
@@ -95,7 +95,9 @@ export class View {
 
   /** @param {import('./messages.js').Picture} picture the newest */
   show(picture) {
+    const elapsed = picture.time - (this.picture?.time ?? picture.time);
     this.picture = picture;
+    if (this.follows) this.#follow(1 - Math.exp(-Math.max(elapsed, 0) / FOLLOWING));
     if (this.objects && picture.version === this.objects.version) this.objects.place(picture);
     this.hands.trail(picture);
     this.surfaces.grow();
@@ -126,24 +128,35 @@ export class View {
       this.surfaces.show(this.chosen);
       this.robots.show(this.picture, how);
     }
+    this.#showAxes();
     if (this.frames === 0 && this.picture) this.#renderFirst();
-    else this.renderer.render(this.scene, this.camera);
+    else this.draw();
     this.frames += 1;
     return true;
   }
 
+  /** Draws what the last picture showed. */
+  draw() {
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  /** [N] of all forces that are drawn as arrows. */
+  get strongest() {
+    return Math.max(this.hands.strongest, this.robots.strongest);
+  }
+
   /** The first picture has the objects, the hands and their forces. What needs more shaders comes with the next frame. */
   #renderFirst() {
-    const later = [this.axes, this.surfaces.mesh, this.hands.trails.mesh, this.hands.discs.mesh].filter(({visible}) => visible);
+    const later = [this.surfaces.mesh, this.hands.trails.mesh, this.hands.discs.mesh].filter(({visible}) => visible);
     for (const mesh of later) mesh.visible = false;
-    this.renderer.render(this.scene, this.camera);
+    this.draw();
     for (const mesh of later) mesh.visible = true;
     this.stale = later.length > 0;
   }
 
-  /** Puts the camera where the whole box is seen, from the side that `direction` points to. */
-  lookAtAll(direction = START) {
-    const {camera, controls, frame} = this;
+  /** Puts the camera where the whole box is seen, from the side that `direction` points to. @param {{center: Vector3, extent: Vector3}} frame the box */
+  lookAtAll(direction = START, frame = this.frame) {
+    const {camera, controls} = this;
     const slope = MARGIN * Math.tan((camera.fov * Math.PI) / 360);
     const across = new Vector3().crossVectors(camera.up, direction).normalize();
     const upward = new Vector3().crossVectors(direction, across);
@@ -156,6 +169,30 @@ export class View {
     controls.target.copy(frame.center);
     camera.position.copy(frame.center).addScaledVector(direction, distance);
     controls.update();
+    this.stale = true;
+  }
+
+  /** The same, with the hands that are outside of the box. */
+  lookAtAllHands() {
+    const half = this.frame.extent.clone().multiplyScalar(0.5);
+    const [low, high] = [this.frame.center.clone().sub(half), this.frame.center.clone().add(half)];
+    for (let i = 0; i < (this.picture?.hands ?? 0); ++i) {
+      place.fromArray(this.picture.floats, this.picture.handAt(i) + AT.proxy);
+      low.min(place);
+      high.max(place);
+    }
+    this.lookAtAll(START, {center: low.clone().add(high).multiplyScalar(0.5), extent: high.sub(low)});
+  }
+
+  /** Where the camera is, and what it looks at [m]. @type {import('./link.js').Pose} */
+  get pose() {
+    return {position: this.camera.position.toArray(), target: this.controls.target.toArray()};
+  }
+
+  set pose({position, target}) {
+    this.camera.position.fromArray(position);
+    this.controls.target.fromArray(target);
+    this.controls.update();
     this.stale = true;
   }
 
@@ -186,13 +223,10 @@ export class View {
 
   /** Moves the camera so that a hand is in the middle. @param {number} number */
   lookAtHand(number) {
-    const i = this.#indexOf(number);
+    const i = this.placeOf(number);
     if (i < 0) return;
     toolPlace(this.picture, i, this.depthFactor, place);
-    this.camera.position.add(place).sub(this.controls.target);
-    this.controls.target.copy(place);
-    this.controls.update();
-    this.stale = true;
+    this.#shift(step.copy(place).sub(this.controls.target));
   }
 
   /**
@@ -245,13 +279,31 @@ export class View {
   }
 
   /** The axes of the world at a corner of the box, each as long as two lines of the grid are apart. */
-  #showAxes(corner) {
-    const points = [];
-    this.axisEnds.forEach(({point}, axis) => {
-      points.push(corner, point.copy(corner).setComponent(axis, corner.getComponent(axis) + 2 * this.spacing));
-    });
-    this.axes.geometry.dispose();
-    this.axes.geometry = new BufferGeometry().setFromPoints(points);
+  #placeAxes(corner) {
+    this.origin.copy(corner);
+    this.axisEnds.forEach(({point}, axis) => point.copy(corner).setComponent(axis, corner.getComponent(axis) + 2 * this.spacing));
+  }
+
+  #showAxes() {
+    this.axes.clear();
+    if (this.objects) for (const {point} of this.axisEnds) this.axes.add(this.origin, step.copy(point).sub(this.origin), this.pixel);
+    this.axes.done();
+  }
+
+  /** @param {number} share of the way to the chosen hand that the camera makes now */
+  #follow(share) {
+    const i = this.placeOf(this.chosen);
+    if (i < 0) return;
+    toolPlace(this.picture, i, this.depthFactor, place);
+    this.#shift(step.copy(place).sub(this.controls.target).multiplyScalar(share));
+  }
+
+  /** Moves the camera and what it looks at. */
+  #shift(way) {
+    this.camera.position.add(way);
+    this.controls.target.add(way);
+    this.controls.update();
+    this.stale = true;
   }
 
   #how() {
