@@ -94,6 +94,7 @@ export class Play {
     this.reasons = null;  // of every hand; null: what it does
     this.balance = null;  // [J] of every account; null: some
     this.gain = 1;  // of all forces
+    this.over = 1;  // of the force that devices hold
     this.away = [0, 0, 0];  // [m] that the first hand is away from the others
     this.began = process.hrtime.bigint();
     this.energy = Array.from({length: hands}, () => ({delivered: 0, burned: 0, force: 0, depth: 0}));
@@ -236,7 +237,7 @@ export class Play {
     buffer.writeUInt32LE(reasons >>> 0, at + 4);
     const tilt = 0.35;
     [...position, Math.cos(tilt / 2), Math.sin(tilt / 2) * Math.sin(turn / 3), Math.sin(tilt / 2) * Math.cos(turn / 3), 0, ...proxy,
-      ...[...elastic, ...friction, ...rendered].map((f) => this.gain * f), deep, own.delivered, own.burned, this.balance ?? 0.004 + 0.002 * Math.sin(time), 1000, i === 1 ? 0.013 : 0,
+      ...[...elastic, ...friction, ...rendered.map((f) => this.over * f)].map((f) => this.gain * f), deep, own.delivered, own.burned, this.balance ?? 0.004 + 0.002 * Math.sin(time), 1000, i === 1 ? 0.013 : 0,
       i === 3 ? NaN : 0.0031 + 0.001 * i + 0.0004 * Math.sin(7 * time)].forEach((value, k) => buffer.writeFloatLE(value, at + 8 + 4 * k));
   }
 }

@@ -14,7 +14,7 @@ const bounds = (hand, reasons) => [...new Set(hand?.activeReasons().map((bit) =>
  * it is sorted by, if that is not what is shown; `text`: stands at the left, and is shown in full on hover.
  */
 export const COLUMNS = [
-  {name: 'Hand', hint: 'number of the session', wide: 7, rank: 0, write: (s) => `${s.number}`, value: (s) => s.number},
+  {name: 'Hand', hint: 'number of the session', wide: 9, rank: 0, write: (s) => `${s.number}`, value: (s) => s.number},
   {name: 'Client', hint: 'name that the token gives', wide: 13, rank: 1, text: true, write: (s) => words.middle(s.client ?? '–', NAME_MOST), full: (s) => s.client ?? ''},
   {name: 'Device', hint: '', wide: 11, rank: 6, text: true, write: (s) => words.middle(s.device ?? '–', NAME_MOST), full: (s) => s.device ?? ''},
   {name: 'Force', hint: 'rendered by the device now', wide: 10, rank: 2, write: (s, hand) => (hand ? words.force(hand.rendered) : '–'), value: (s, hand) => hand?.rendered},
@@ -22,7 +22,7 @@ export const COLUMNS = [
   {name: 'Round trip', hint: 'of a sample and its reply', wide: 11, rank: 4, write: (s) => words.number(s.round_trip_ms, 1, 'ms'), value: (s) => s.round_trip_ms},
   {name: 'Late', hint: 'servo ticks that came a whole period late or more', wide: 8, rank: 8, write: (s) => count(s.late_ticks), value: (s) => s.late_ticks},
   {name: 'Loss', hint: 'of datagrams', wide: 8, rank: 5, write: (s) => words.percent(s.loss ?? null), value: (s) => s.loss},
-  {name: 'Delivered', hint: 'energy to the hand; negative: the hand gave', wide: 10, rank: 9, write: (s) => words.energy(s.delivered_j), value: (s) => s.delivered_j},
+  {name: 'Energy given', hint: 'energy given to the hand; negative: the hand gave energy to the device', wide: 13, rank: 9, write: (s) => words.energy(s.delivered_j), value: (s) => s.delivered_j},
   {name: 'Servo', hint: 'rate of the device', wide: 9, rank: 10, write: (s) => words.number(s.rate_hz, 0, 'Hz'), value: (s) => s.rate_hz},
   {name: 'Packets', hint: 'rate of datagrams', wide: 9, rank: 11, write: (s) => words.number(s.packet_hz, 0, 'Hz'), value: (s) => s.packet_hz},
   {name: 'Mode', hint: 'how forces are bounded', wide: 27, rank: 7, text: true, write: (s) => [s.mode, s.side && `at the ${s.side}`].filter(Boolean).join(', ') || '–'},

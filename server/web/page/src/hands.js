@@ -5,7 +5,7 @@ import {AT, HAND_WORDS, length3} from './messages.js';
 
 /** Columns of a hand's history, after the time. */
 export const COLUMN = {
-  elastic: 1, friction: 2, commanded: 3, rendered: 4, depth: 5, delivered: 6, burned: 7, ceiling: 8, roundTrip: 9, loss: 10,
+  elastic: 1, friction: 2, commanded: 3, rendered: 4, depth: 5, given: 6, burned: 7, ceiling: 8, roundTrip: 9, loss: 10,
 };
 
 const FADE = 1.5;  // [s] over which the share of a reason is averaged

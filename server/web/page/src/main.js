@@ -8,11 +8,12 @@ import {Foxglove} from './foxglove.js';
 import {Hands} from './hands.js';
 import {Labels} from './labels.js';
 import {readLink} from './link.js';
+import {Plots} from './live_plots.js';
 import {KIND, Picture, readGeometry} from './messages.js';
 import {OwnHand} from './own_hand.js';
 import {robotTexts} from './robot.js';
 import {bindKeys, followTheme, makeSplit} from './panels.js';
-import {Plots} from './plots.js';
+import {PlotBar} from './plot_bar.js';
 import {Replay} from './replay/replay.js';
 import {SceneBar} from './scene_bar.js';
 import {Sessions} from './sessions.js';
@@ -31,7 +32,8 @@ const PICTURE_PATIENCE = 1000;  // [ms] from a scene to its first picture, after
 const element = (id) => document.getElementById(id);
 const view = makeView();
 const hands = new Hands();
-const plots = new Plots(element('plots'));
+const plots = new Plots(element('plots'), element('plot-time'), () => hold(true));
+const plotBar = new PlotBar(plots, () => ({...page, name: sessions.name(page.chosen)}), plotHands);
 const why = new Why(element('sentence'), element('reasons'));
 const sessions = new Sessions(document.querySelector('#sessions table'), element('columns'), choose);
 const labels = new Labels(element('labels'));
@@ -199,6 +201,14 @@ function choose(number) {
   view.chosen = number;
   view.stale = true;
   writeTexts();
+  plots.update(plotHands());
+}
+
+/** Hands that may be plotted, the chosen one first. */
+function plotHands() {
+  const chosen = hands.all.get(page.chosen);
+  const others = hands.numbers().map((number) => hands.all.get(number)).filter((hand) => hand !== chosen);
+  return (chosen ? [chosen, ...others] : []).map(({number, history}) => ({number, name: sessions.name(number), history}));
 }
 
 function chooseNext(step) {
@@ -223,15 +233,17 @@ function writeTexts() {
   sessions.show(hands.all, page.chosen);
   admin.choose(sessions.sessions.get(page.chosen));
   labels.write(hands.all, (number) => sessions.name(number), page.chosen);
-  plots.writeValues();
   own.write(hands.all.get(own.number));
   writeRobots();
   element('empty').hidden = hands.all.size > 0 || page.pictures === 0;
   element('empty').textContent = 'No hand is in this scene yet.';
 }
 
-function hold() {
-  page.held = !page.held;
+/** Holds the picture and the plots, or lets both go on. */
+function hold(held) {
+  if (held === page.held) return;
+  page.held = held;
+  if (!held) plots.follow();
   element('hold').setAttribute('aria-pressed', String(page.held));
   element('hold').textContent = page.held ? 'Go on' : 'Hold';
 }
@@ -281,7 +293,7 @@ function step(now) {
   if (page.firstPicture !== null || now > PLOT_PATIENCE) plots.begin();
   if (now - plotted > PLOT_PERIOD && !page.held) {
     plotted = now;
-    plots.update(hands.all.get(page.chosen)?.history ?? null);
+    plots.update(plotHands());
   }
 }
 
@@ -297,10 +309,9 @@ element('canvas').addEventListener('pointerup', (event) => {
   if (found !== null) choose(found);
 });
 element('scenes').onchange = (event) => connection.send({watch: event.target.value});
-element('seconds').onchange = (event) => (plots.seconds = Number(event.target.value));
 addEventListener('hashchange', takeLink);
 element('retry').onclick = () => connection.connect();
-element('hold').onclick = hold;
+element('hold').onclick = () => hold(!page.held);
 element('help-open').onclick = openHelp;
 element('foxglove-open').onclick = () => {
   element('help').close();
@@ -325,7 +336,8 @@ bindKeys(element('keys'), [
   {keys: ['+', '=', '-'], shown: '+ −', text: 'zoom in, out', act: (key) => view.zoom(key === '-' ? 1 / 1.2 : 1.2)},
   ...bar.bindings(),
   {keys: ['g'], text: 'grasp: take a hand, let it go', act: () => own.toggle()},
-  {keys: [' '], shown: 'space', text: 'hold the picture, go on', act: hold},
+  {keys: [' '], shown: 'space', text: 'hold the picture and the plots, go on', act: () => hold(!page.held)},
+  ...plotBar.bindings(),
   {keys: ['o'], text: 'open a recording', act: () => element('recording-files').click()},
   {keys: ['h'], text: 'times of the server and of the chosen hand, as histograms', act: () => times.open()},
   {keys: ['l'], text: 'light or dark', act: () => element('theme').click()},
@@ -347,7 +359,7 @@ requestAnimationFrame(step);
 /** What tests and a curious user read in the console: a copy, so that nothing can be changed by it. */
 window.feltwire = () => ({
   ...page, frames: view.frames, hands: hands.numbers(), longestArrow: view.hands.longest, perNewton: view.perNewton,
-  bodies: view.objects?.bodies.size ?? 0, bodyPlaces: view.objects?.places() ?? [], time: view.picture?.time ?? null, plotted: {points: plots.points, last: plots.panes.map((pane) => pane.plot?.data.slice(1).map((column) => column.at?.(-1)))},
+  bodies: view.objects?.bodies.size ?? 0, bodyPlaces: view.objects?.places() ?? [], time: view.picture?.time ?? null, plotted: {points: plots.points, range: plots.window.range(plots.end), end: plots.end, tops: plots.panes.map(({plot}) => plot?.scales.y.max), gaps: [...plots.panes[0].plot?.data[1] ?? []].filter(Number.isNaN).length, last: plots.panes.map((pane) => pane.plot?.data.slice(1).map((column) => column.at?.(-1)))},
   places: view.places(), robots: view.robots.look(), surfaces: view.surfaces.mesh.visible ? view.surfaces.count : 0,
   strongest: view.strongest, viewHeight: view.pixel * view.height, axes: [view.origin, ...view.axisEnds.map(({point}) => point)].map((point) => view.projectPoint(point, {x: 0, y: 0, seen: false})), pose: view.pose,
   guides: view.objects?.guides.length ?? 0, trails: view.hands.trails.shown ? view.hands.trails.lengths() : [],

@@ -2,7 +2,7 @@
 
 import {forGood} from './kept.js';
 
-const NAMES = ['view', 'surface', 'line', 'grid', 'ink', 'muted', 'chosen', 'guide', 'elastic', 'friction', 'rendered', 'limit'];
+const NAMES = ['view', 'surface', 'line', 'grid', 'ink', 'muted', 'chosen', 'guide', 'elastic', 'friction', 'rendered', 'limit', 'panel', 'hand1', 'hand2', 'hand3', 'hand4', 'hand5', 'hand6', 'hand7', 'hand8'];
 const root = document.documentElement;
 
 /** Colors of the theme, as the style sheet gives them. */

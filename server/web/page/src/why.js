@@ -4,12 +4,14 @@ import {AT} from './messages.js';
 import * as words from './words.js';
 
 const TOUCH = 1e-3;  // [N]
+const MANY = 3;  // times the force of the scene from which no percentage is said
 
 /**
- * @param {import('./hands.js').Hand} hand @param {boolean} movesRobot whether it feels what its robot touches
+ * @param {import('./hands.js').Hand} hand @param {{movesRobot?: boolean, near?: boolean}} does whether it feels what its robot touches, and
+ *   whether its client computes the force from a local model
  * @returns {string} one sentence on what the hand does and feels
  */
-export function sentence(hand, movesRobot = false) {
+export function sentence(hand, {movesRobot = false, near = false} = {}) {
   if (movesRobot) {
     const beside = hand.commanded < TOUCH ? '' : ` The scene asks for ${words.force(hand.commanded)} beside.`;
     return `It moves a robot and feels what the robot touches: the device renders ${words.force(hand.rendered)}.${beside}`;
@@ -20,7 +22,10 @@ export function sentence(hand, movesRobot = false) {
   const share = hand.rendered / hand.commanded;
   const held = `The scene asks for ${words.force(hand.commanded)}, and the device renders ${words.force(hand.rendered)}`;
   if (share > 0.98 && share < 1.02) return `${where}${held}: all of it.`;
-  return `${where}${held}: ${Math.round(100 * share)} %.`;
+  if (share < 1) return `${where}${held}: ${Math.round(100 * share)} %.`;
+  // Both forces are of one picture, but not of one position.
+  const size = share > MANY ? `more than ${MANY} times as much` : `${Math.round(100 * share)} %`;
+  return `${where}${held}: ${size}, because ${near ? 'its client computes the force by itself, at a newer position' : 'the device still answers an earlier position'}.`;
 }
 
 /**
@@ -42,7 +47,8 @@ export class Why {
     this.list = list;
     this.items = [];
     this.smallDebt = 0;
-    this.moving = -1;  // the reason of a hand that moves a robot
+    this.moving = -1;  // the reason of a hand that moves a robot, and of one whose client has a local model
+    this.near = -1;
   }
 
   /** @param {{reasons?: {name: string, text: string, cuts?: boolean}[], small_debt?: number}} hello of the server; cuts: it takes force off */
@@ -50,6 +56,7 @@ export class Why {
     this.smallDebt = smallDebt;
     this.list.replaceChildren();
     this.moving = reasons.findIndex(({name}) => name === 'moves_robot');
+    this.near = reasons.findIndex(({name}) => name === 'near');
     this.items = reasons.map((reason) => {
       const [item, text, share] = ['li', 'span', 'b'].map((tag) => document.createElement(tag));
       text.textContent = reason.text;
@@ -65,8 +72,8 @@ export class Why {
   /** @param {import('./hands.js').Hand | undefined} hand @param {boolean} seen whether any picture came @param {object | undefined} session of the hand */
   show(hand, seen, session) {
     const active = hand?.activeReasons() ?? [];
-    const movesRobot = active.includes(this.moving);
-    const said = (hand ? sentence(hand, movesRobot) + accounted(hand, session, this.smallDebt) : seen ? 'No hand is in this scene yet.' : 'Nothing has come from the server yet.');
+    const does = {movesRobot: active.includes(this.moving), near: active.includes(this.near)};
+    const said = (hand ? sentence(hand, does) + accounted(hand, session, this.smallDebt) : seen ? 'No hand is in this scene yet.' : 'Nothing has come from the server yet.');
     this.#write(this.text, said);
     if (this.text.title !== said) this.text.title = said;  // Where it is cut.
     this.items.forEach(({item, share}, bit) => {

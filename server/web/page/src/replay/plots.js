@@ -2,13 +2,11 @@
 
 import uPlot from 'uplot';
 import {length3} from '../messages.js';
-import {energyTick, makePane, range, tick} from '../plots.js';
+import {energyTick, LEFT, makePane, range, RIGHT, tick} from '../plots.js';
 import * as words from '../words.js';
 import {rowAt} from './recording.js';
 import {ACCOUNT, askedForce, FRESH, ROW} from './tables.js';
 
-const LEFT = 58;  // pixels beside a plot, the same for all
-const RIGHT = 42;
 const POINTS = 1200;  // of a line, at most; from where there are more, the least and the largest of each stretch are drawn
 
 const asked = (rows, row) => askedForce(rows, row);
