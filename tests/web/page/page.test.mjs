@@ -417,6 +417,20 @@ test('gives an address for Foxglove, and forgets it', async () => {
   await page.waitForSelector('#times[open]');
 });
 
+test('a recording that cannot begin says so, and takes no ticket of others', async () => {
+  await open();
+  await until(() => window.feltwire().scene === 'room');
+  await press('r');  // The server that is played has no Foxglove protocol.
+  await until(() => /^Nothing was recorded\. It ended by itself: /.test(document.querySelector('#recorded span').textContent));
+  assert.ok(server.requests.includes('/foxglove?ticket=fw_room'));
+  assert.ok(await page.locator('#recorded-save').isHidden() && await page.locator('#recorded-open').isHidden());
+  await page.click('#recorded-drop');
+  assert.ok(await page.locator('#recorded').isHidden());
+  await press('?');
+  await page.click('#foxglove-open');
+  await page.waitForSelector('#foxglove[open]');
+});
+
 test('shows how long answers take since it was asked', async () => {
   await open();
   await until(() => window.feltwire().scene === 'room');

@@ -167,3 +167,22 @@ test('a force above what the scene asks for is explained', async () => {
   await until(() => /: more than 3 times as much, because/.test(document.querySelector('#sentence').textContent));
   assert.match(await page.locator('#plots .plot').nth(2).locator('.legend').textContent(), /given to the hand/);
 });
+
+test('two fingers zoom the time on a phone, and one moves it', async () => {
+  await begin(2, {viewport: {width: 390, height: 800}, isMobile: true, hasTouch: true});
+  await page.locator('#plots .u-over').first().scrollIntoViewIfNeeded();
+  const {x, y, width, height} = await drawing();
+  const devtools = await page.context().newCDPSession(page);
+  const touch = (type, ...shares) => devtools.send('Input.dispatchTouchEvent', {type, touchPoints: shares.map((share, id) => ({id, x: x + share * width, y: y + height / 2}))});
+  await touch('touchStart', 0.4, 0.6);
+  for (const spread of [0.15, 0.2, 0.3, 0.4]) await touch('touchMove', 0.5 - spread, 0.5 + spread);
+  await touch('touchEnd');
+  await until(() => window.feltwire().held);
+  const {range: zoomed} = (await state()).plotted;
+  assert.ok(span(zoomed) < 5 && span(zoomed) > 1, `${zoomed}`);
+  await touch('touchStart', 0.3);
+  for (const share of [0.4, 0.5, 0.6]) await touch('touchMove', share);
+  await touch('touchEnd');
+  await until((from) => window.feltwire().plotted.range[0] < from, zoomed[0] - 0.15 * span(zoomed));
+  assert.ok(Math.abs(span((await state()).plotted.range) - span(zoomed)) < 1e-6);
+});

@@ -47,11 +47,14 @@ async function faults() {
   }, TAGS);
 }
 
+const showRecorded = (hidden) => page.evaluate((wanted) => (document.querySelector('#recorded').hidden = wanted), hidden);
+
 /** What can be opened over the scene: a name, how it opens, and how it closes. */
 const PARTS = [
   ['help', '#help', () => press('?'), () => press('Escape')],
   ['times', '#times table', () => press('h'), () => press('Escape')],
   ['admin', '#admin', () => page.click('#admin-open'), () => page.click('#admin-open')],
+  ['a recording', '#recorded', () => showRecorded(false), () => showRecorded(true)],
 ];
 
 for (const width of WIDTHS) {

@@ -14,6 +14,7 @@ import {OwnHand} from './own_hand.js';
 import {robotTexts} from './robot.js';
 import {bindKeys, followTheme, makeSplit} from './panels.js';
 import {PlotBar} from './plot_bar.js';
+import {RecordBar} from './record_bar.js';
 import {Replay} from './replay/replay.js';
 import {SceneBar} from './scene_bar.js';
 import {Sessions} from './sessions.js';
@@ -42,8 +43,9 @@ const admin = new Admin(element('admin'), element('admin-open'), (message) => co
 const foxglove = new Foxglove(element('foxglove'));
 const times = new Times(element('times'), () => page.scene, () => ({name: sessions.name(page.chosen), session: sessions.sessions.get(page.chosen)}));
 let link = readLink(location.hash);  // what of it is still to be followed
-const page = {scene: link.scene, pictures: 0, firstPicture: null, sceneAt: null, unread: 0, held: false, chosen: null, connection: ''};
+const page = {scene: link.scene, pictures: 0, firstPicture: null, sceneAt: null, unread: 0, held: false, chosen: null, connection: '', version: ''};
 const replay = new Replay(() => connection.end('Recordings are read on this machine; nothing is sent.'));
+const recording = new RecordBar(() => page, (message) => connection.send(message), (file) => replay.open([file]));
 let latest = new Picture();  // the newest that came
 let spare = new Picture();  // the one that is read next
 let arrived = false;  // whether `latest` has not been drawn yet
@@ -59,7 +61,10 @@ const connection = new Connection({
     element('retry').hidden = state !== 'waiting';
     element('token-words').textContent = said;
     const dialog = element('token');
-    if (state !== 'live' && state !== 'silent') own.reset();
+    if (state !== 'live' && state !== 'silent') {
+      own.reset();
+      recording.end(state === 'ended' ? 'a recording is shown' : 'the connection was lost');
+    }
     if (state === 'token' && !dialog.open) dialog.showModal();
     if (state !== 'token' && dialog.open) dialog.close();
     document.body.classList.toggle('old', state !== 'live');
@@ -85,9 +90,11 @@ function takeText(message) {
       admin.hello(message);
       own.hello(message);
       times.hello(message);
-      element('version').textContent = `feltwire ${message.version ?? ''}`;
+      page.version = message.version ?? '';
+      element('version').textContent = `feltwire ${page.version}`;
       break;
     case 'scene':
+      recording.watch(message);
       if (message.name !== page.scene) forget();
       page.scene = message.name;
       element('scenes').value = message.name;
@@ -104,7 +111,7 @@ function takeText(message) {
       own.find(sessions.sessions);
       break;
     case 'ticket':
-      foxglove.show(message);
+      if (!recording.takeTicket(message)) foxglove.show(message);
       break;
     case 'hand':
       own.take(message);
@@ -113,6 +120,7 @@ function takeText(message) {
     case 'admin':
     case 'changed':
     case 'refused':
+      if (message.type === 'refused') recording.refuse();
       admin.take(message);
       break;
     case 'log':
@@ -338,6 +346,7 @@ bindKeys(element('keys'), [
   {keys: ['g'], text: 'grasp: take a hand, let it go', act: () => own.toggle()},
   {keys: [' '], shown: 'space', text: 'hold the picture and the plots, go on', act: () => hold(!page.held)},
   ...plotBar.bindings(),
+  ...recording.bindings(),
   {keys: ['o'], text: 'open a recording', act: () => element('recording-files').click()},
   {keys: ['h'], text: 'times of the server and of the chosen hand, as histograms', act: () => times.open()},
   {keys: ['l'], text: 'light or dark', act: () => element('theme').click()},
@@ -364,5 +373,5 @@ window.feltwire = () => ({
   strongest: view.strongest, viewHeight: view.pixel * view.height, axes: [view.origin, ...view.axisEnds.map(({point}) => point)].map((point) => view.projectPoint(point, {x: 0, y: 0, seen: false})), pose: view.pose,
   guides: view.objects?.guides.length ?? 0, trails: view.hands.trails.shown ? view.hands.trails.lengths() : [],
   solids: view.objects?.sizes() ?? [],
-  toolBalls: view.tools.balls.count, toolPoints: view.tools.dots.count, replay: replay.state(), own: own.look(hands.all.get(own.number)),
+  toolBalls: view.tools.balls.count, toolPoints: view.tools.dots.count, replay: replay.state(), recorded: recording.seconds, own: own.look(hands.all.get(own.number)),
 });

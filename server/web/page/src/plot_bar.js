@@ -26,7 +26,7 @@ export class PlotBar {
   bindings() {
     const {plots} = this;
     return [
-      {keys: ['[', ']'], shown: '[ ]', text: 'less, more of the time in the plots; both hold the picture', act: (key) => plots.zoom(key === ']' ? 1 : -1)},
+      {keys: ['[', ']'], shown: '[ ]', text: 'more, less of the time in the plots; both hold the picture', act: (key) => plots.zoom(key === ']' ? 1 : -1)},
       {keys: ['<', '>'], shown: '< >', text: 'earlier, later in the plots', act: (key) => plots.move(key === '>' ? 1 : -1)},
       {keys: ['m'], text: 'several hands over each other in the plots', act: () => this.compare(!plots.comparing)},
       {keys: ['v'], text: 'save the values of the plots (CSV)', act: () => this.saveValues()},

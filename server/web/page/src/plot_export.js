@@ -10,7 +10,9 @@ const COLUMNS = [
 ];
 const DIGITS = 7;  // what a value of the page has
 const TITLE = 30;  // [px]
-const LEGEND = 40;  // [px] title and legend of a plot
+const ROW = 18;  // [px] height of a line of words
+const LEFT = 8;  // [px]
+const MARK = 12;  // [px] width of a line's color
 const FONT = 'system-ui, sans-serif';
 
 const quoted = (text) => (/[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
@@ -33,32 +35,47 @@ export function imageOf(panes, title, colors) {
   const drawn = panes.filter(({plot}) => plot);
   const ratio = devicePixelRatio;
   const width = Math.max(...drawn.map(({plot}) => plot.width));
-  const height = drawn.reduce((sum, {plot}) => sum + plot.height + LEGEND, TITLE);
   const canvas = document.createElement('canvas');
-  Object.assign(canvas, {width: Math.round(width * ratio), height: Math.round(height * ratio)});
   const context = canvas.getContext('2d');
+  const style = (weight) => (context.font = `${weight} 12px ${FONT}`);
+  style(400);
+  const legends = drawn.map(({shown}) => placed(shown, width, (name) => context.measureText(name).width));
+  const height = drawn.reduce((sum, {plot}, i) => sum + plot.height + legends[i].height, TITLE);
+  Object.assign(canvas, {width: Math.round(width * ratio), height: Math.round(height * ratio)});
   context.scale(ratio, ratio);
   context.fillStyle = colors.panel;
   context.fillRect(0, 0, width, height);
   context.textBaseline = 'middle';
   const write = (text, x, y, color, weight) => {
     context.fillStyle = color;
-    context.font = `${weight} 12px ${FONT}`;
+    style(weight);
     context.fillText(text, x, y);
-    return x + context.measureText(text).width;
   };
-  write(title, 8, TITLE / 2, colors.ink, 600);
+  write(title, LEFT, TITLE / 2, colors.ink, 600);
   let top = TITLE;
-  for (const {plot, root, shown} of drawn) {
-    write(root.querySelector('h3').textContent, 8, top + 10, colors.ink, 600);
-    let x = 8;
-    for (const {name, color} of shown) {
+  drawn.forEach(({plot, root}, i) => {
+    write(root.querySelector('h3').textContent, LEFT, top + ROW / 2, colors.ink, 600);
+    for (const {name, color, x, y} of legends[i].items) {
       context.fillStyle = colors[color];
-      context.fillRect(x, top + 27, 12, 3);
-      x = write(name, x + 17, top + 28, colors.muted, 400) + 14;
+      context.fillRect(x, top + y - 1, MARK, 3);
+      write(name, x + MARK + 5, top + y, colors.muted, 400);
     }
-    context.drawImage(plot.ctx.canvas, 0, top + LEGEND, plot.width, plot.height);
-    top += plot.height + LEGEND;
-  }
+    top += legends[i].height;
+    context.drawImage(plot.ctx.canvas, 0, top, plot.width, plot.height);
+    top += plot.height;
+  });
   return canvas;
+}
+
+/** Names in rows below a heading, as many as fit in each. @param {{name: string, color: string}[]} lines @param {(name: string) => number} wide [px] */
+function placed(lines, width, wide) {
+  let [x, y] = [LEFT, 1.5 * ROW];
+  const items = lines.map(({name, color}) => {
+    const size = MARK + 5 + wide(name);
+    if (x > LEFT && x + size > width) [x, y] = [LEFT, y + ROW];
+    const item = {name, color, x, y};
+    x += size + 14;
+    return item;
+  });
+  return {items, height: y + ROW / 2 + 2};
 }

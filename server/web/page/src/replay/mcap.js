@@ -10,6 +10,7 @@ const HEAD = 9;  // [bytes] opcode and length of a record
 const FOOTER = HEAD + 20;
 const PAGE = 1 << 15;  // [bytes] that are read at once while searching
 const MOST = {record: 2 ** 28, chunk: 2 ** 26, summary: 2 ** 26};  // [bytes] that a file may ask for
+const NAMED = new Map([['feltwire', 'about'], ['scene', 'scene']]);  // metadata records that are kept, and where
 const COPY = 'the file is damaged: copy it anew from where it was recorded';
 const CONVERT = 'convert the file with: mcap compress --compression zstd';
 
@@ -48,6 +49,7 @@ export class McapFile {
     this.channels = new Map();  // id -> topic
     this.chunks = [];
     this.about = {};  // values of the metadata record "feltwire"
+    this.scene = null;  // of the metadata record "scene"
     this.cutAt = null;  // byte at which a file without an end was cut
     this.troubles = [];  // sentences on what could not be read
   }
@@ -154,7 +156,7 @@ export class McapFile {
 
   async #followMetadata(content, at) {
     const [place, length] = [content.u64(), content.u64()];
-    if (content.text() !== 'feltwire') return;
+    if (!NAMED.has(content.text())) return;
     if (place + length > this.file.size || length > MOST.summary) this.fail(at, 'the index names metadata that cannot be');
     const record = new Cursor(await this.slice(place, place + length));
     if (record.u8() !== OP.metadata) this.fail(place, 'there is no metadata where the index says');
@@ -163,7 +165,8 @@ export class McapFile {
   }
 
   #takeMetadata(content) {
-    if (content.text() === 'feltwire') this.about = content.map();
+    const member = NAMED.get(content.text());
+    if (member) this[member] = content.map();
   }
 
   /** Also of channels that stand within a chunk. @param {Cursor} content */

@@ -1,6 +1,7 @@
 // A recording that is open: which chunks are needed is read, the newest used are kept, and damaged ones are said once.
 
 import {McapFile, RecordingError} from './mcap.js';
+import {sceneOf, trianglesOf} from './scene_of_file.js';
 import {readSegment} from './tables.js';
 
 const KEPT = 96 * 2 ** 20;  // [bytes] of segments
@@ -22,6 +23,8 @@ export class Recording {
     this.changed = changed;
     this.name = mcap.file.name;
     this.about = mcap.about;
+    this.scene = mcap.scene && sceneOf(mcap.scene);  // null: it is not in the file
+    this.triangles = [];  // of its objects, once they have been read
     this.start = mcap.chunks[0].from;
     const end = mcap.chunks.reduce((last, {to}) => (to > last ? to : last), this.start);
     this.duration = Number(end - this.start) / 1e9;
@@ -72,6 +75,7 @@ export class Recording {
     try {
       const segment = readSegment(await this.mcap.read(chunk), this.mcap, this.start);
       segment.used = ++this.clock;
+      if (segment.geometry && this.scene) this.triangles = trianglesOf(segment.geometry, this.scene);
       chunk.segment = segment;
       this.kept += segment.bytes;
       this.#forget();

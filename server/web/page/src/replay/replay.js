@@ -158,7 +158,8 @@ export class Replay {
     const stages = this.stages.map(({stage, offset}) => ({
       name: stage.recording.name, offset, duration: stage.recording.duration, hands: stage.hands(), shown: stage.shown, whole: stage.whole,
       read: stage.overview.done === stage.recording.chunks.length, first: stage.firstHand(), troubles: stage.recording.troubles, longestArrow: stage.view.hands.longest,
-      points: stage.plots.points, kept: stage.recording.kept, frames: stage.view.frames, bodies: stage.bodies.size,
+      points: stage.plots.points, kept: stage.recording.kept, frames: stage.view.frames, bodies: stage.recording.scene ? stage.view.objects?.bodies.size ?? 0 : stage.bodies.size,
+      solids: stage.view.objects?.sizes().length ?? 0,
     }));
     const drawn = !this.stale && this.stages.every(({stage}) => stage.whole);  // What is drawn is the present time, with all that is recorded of it.
     return {active: this.active, playing: this.playing, time: this.time, from: this.from, to: this.to, drawn, stages};

@@ -11,6 +11,7 @@ import {Overview} from './overview.js';
 import {ReplayPlots} from './plots.js';
 import {OBSERVER, REASONS} from './reasons.js';
 import {rowAt} from './recording.js';
+import {placesAt} from './scene_of_file.js';
 import {ACCOUNT, askedForce, FRESH, ROW} from './tables.js';
 
 const OWN = 0;  // number of the hand that recorded; those of /scene/picture begin at 1
@@ -106,9 +107,8 @@ export class Stage {
     const account = rowAt(segments, (segment) => segment.accounts, time);
     const hands = this.#handsAt(segments, time, account);
     if (!hands.has(this.chosen) && hands.size > 0 && !this.hands().includes(this.chosen)) this.chosen = hands.keys().next().value;
-    const bodies = bodiesAt(segments, time);
-    this.#placeBodies(bodies);
-    this.picture.read(pictureOf(hands, bodies, this.bodies, time));
+    const places = this.recording.scene ? placesAt(segments, time) : this.#placeBodies(bodiesAt(segments, time));
+    this.picture.read(pictureOf(hands, places, time, this.recording.scene?.version ?? 1));
     this.shown = [...hands.keys()];
     this.view.chosen = this.chosen;
     this.view.show(this.picture);
@@ -144,7 +144,7 @@ export class Stage {
     return places;
   }
 
-  /** New bodies get an index and a shape. */
+  /** New bodies get an index and a shape. @returns {Map<number, Float32Array>} where they are, by their index */
   #placeBodies(bodies) {
     let isNew = false;
     for (const name of bodies.keys()) {
@@ -153,11 +153,13 @@ export class Stage {
       isNew = true;
     }
     if (isNew || !this.view.objects) this.#setScene();
+    return new Map([...bodies].map(([name, {pose}]) => [this.bodies.get(name).index, pose]));
   }
 
   /** The box is where hands were, so far as is known. */
   #fit() {
     const {low, high} = this.overview;
+    if (this.recording.scene) return this.#fitScene();
     if (low[0] > high[0]) return;
     this.box.follow(this.overview.way);
     this.view.stale = true;
@@ -166,6 +168,25 @@ export class Stage {
     this.boxed = box;
     this.#setScene();
     this.view.lookAtAll();
+  }
+
+  /** The scene of the file, with as many of its objects as have been read. */
+  #fitScene() {
+    const {scene, triangles} = this.recording;
+    const boxed = `${triangles.length} objects`;
+    if (this.boxed !== boxed) {
+      this.boxed = boxed;
+      this.box.group.visible = false;
+      this.view.setScene(scene);
+      for (const geometry of triangles) this.view.addGeometry(geometry);
+    }
+    this.#fitArrows();
+  }
+
+  #fitArrows() {
+    const longest = this.recording.scene ? 0.3 : 0.9;  // share of what is seen: else that is where hands were
+    this.perNewton = words.roundDown((longest * this.view.frame.size) / Math.max(this.overview.most, 1));
+    this.on.news();
   }
 
   #setScene() {
@@ -178,8 +199,7 @@ export class Stage {
     this.view.setScene({name: this.recording.name, version: 1, objects, guides: [], box: [from, to]});
     for (const {index, size} of this.bodies.values()) this.view.addGeometry(cubeGeometry(index, size));
     this.box.fit(from, to, this.view.spacing);
-    this.perNewton = words.roundDown((0.9 * this.view.frame.size) / Math.max(this.overview.most, 1));
-    this.on.news();
+    this.#fitArrows();
   }
 
   /** @param {number} perNewton [m] of all arrows */
@@ -217,7 +237,7 @@ export class Stage {
 function handSentence(row) {
   const held = length3(row, ROW.held);
   if (Number.isNaN(row[ROW.elastic])) return held > 0 ? `It is given ${words.force(held)}.` : 'It is given no force.';
-  return sentence({commanded: askedForce(row, 0), rendered: held, floats: new Float32Array(HAND_WORDS)});
+  return sentence({commanded: askedForce(row, 0), rendered: held, floats: handWords(0, row)});
 }
 
 /** @param {Float32Array} account */
@@ -242,7 +262,8 @@ function handWords(number, row) {
   new Uint32Array(floats.buffer)[AT.reasons] = 0;
   const vector = (to, from) => floats.set(Number.isNaN(row[from]) ? [0, 0, 0] : row.subarray(from, from + 3), to);
   vector(AT.position, ROW.position);
-  vector(AT.proxy, ROW.position);  // It is not recorded.
+  vector(AT.proxy, Number.isNaN(row[ROW.proxy]) ? ROW.position : ROW.proxy);
+  floats[AT.depth] = row[ROW.depth];
   floats.set(row.subarray(ROW.orientation, ROW.orientation + 4), AT.orientation);
   vector(AT.elastic, ROW.elastic);
   vector(AT.friction, ROW.friction);
@@ -250,20 +271,20 @@ function handWords(number, row) {
   return floats;
 }
 
-/** A picture as the live page has it. @returns {ArrayBuffer} */
-function pictureOf(hands, bodies, indices, time) {
+/** A picture as the live page has it. @param {Map<number, Float32Array>} places of bodies, by their index @returns {ArrayBuffer} */
+function pictureOf(hands, places, time, version) {
   const head = 6;
-  const buffer = new ArrayBuffer(4 * (head + HAND_WORDS * hands.size + 8 * bodies.size));
+  const buffer = new ArrayBuffer(4 * (head + HAND_WORDS * hands.size + 8 * places.size));
   const [words32, floats] = [new Uint32Array(buffer), new Float32Array(buffer)];
-  words32.set([2, hands.size, bodies.size, 1]);
+  words32.set([2, hands.size, places.size, version]);
   new DataView(buffer).setFloat64(16, time, true);
   let at = head;
   for (const [number, row] of hands) {
     words32.set(new Uint32Array(handWords(number, row).buffer), at);
     at += HAND_WORDS;
   }
-  for (const [name, {pose}] of bodies) {
-    words32[at + BODY_AT.index] = indices.get(name).index;
+  for (const [index, pose] of places) {
+    words32[at + BODY_AT.index] = index;
     floats.set(pose.subarray(0, 3), at + BODY_AT.position);
     floats.set(pose.subarray(3), at + BODY_AT.orientation);
     at += 8;

@@ -10,7 +10,7 @@ export const FRESH = 0.2;
 const PER_NEWTON = 0.01;  // [m] of a recorded picture's arrow
 
 /** Places in a row of a hand. Vectors have three numbers, the quaternion (w, x, y, z) four. World frame, SI units; NaN: not known. */
-export const ROW = {position: 0, orientation: 3, elastic: 7, friction: 10, held: 13, age: 16, size: 17};
+export const ROW = {position: 0, orientation: 3, elastic: 7, friction: 10, held: 13, age: 16, proxy: 17, depth: 20, size: 21};
 /** Places in a row of an account. */
 export const ACCOUNT = {balance: 0, cut: 1, reason: 2, size: 3};
 
@@ -68,8 +68,10 @@ export class Segment {
   constructor() {
     this.own = new Table(ROW.size);  // the hand of the client that recorded
     this.accounts = new Table(ACCOUNT.size);
-    this.hands = new Map();  // number -> Table, of /scene/picture
+    this.hands = new Map();  // number -> Table, of /scene/hands where the file has it, else of /scene/picture
     this.pictures = [];  // {time, bytes}: /scene/picture, for the bodies
+    this.transforms = [];  // likewise: /scene/transforms
+    this.geometry = null;  // bytes: the last /scene/geometry
     this.kept = 0;  // [bytes] of the chunk that the pictures hold
     this.used = 0;
   }
@@ -88,6 +90,7 @@ export class Segment {
 export function readSegment(records, mcap, start) {
   const segment = new Segment();
   const cursor = new Cursor(records);
+  const live = [...mcap.channels.values()].includes('/scene/hands');
   const [startLow, startHigh] = [Number(start & 0xffffffffn), Number(start >> 32n)];
   while (cursor.left > 0) {
     const opcode = cursor.u8();
@@ -101,21 +104,28 @@ export function readSegment(records, mcap, start) {
       const time = ((cursor.u32() - startHigh) * 2 ** 32 + (low - startLow)) / 1e9;
       cursor.take(8);  // time of publication
       if (cursor.at > end) throw new RangeError('a message ends within a field');
-      take(segment, topic, time, cursor.view, cursor.at, end);
+      take(segment, topic, time, cursor.view, cursor.at, end, live);
     }
     cursor.at = end;
   }
   return segment;
 }
 
-function take(segment, topic, time, view, at, end) {
+/** @param {boolean} live whether hands are in /scene/hands */
+function take(segment, topic, time, view, at, end, live) {
+  const part = () => {
+    segment.kept = view.byteLength;  // A view of a part keeps the whole chunk.
+    return new DataView(view.buffer, view.byteOffset + at, end - at);
+  };
   if (topic === '/hand/sample') takeSample(segment.own, time, new Fields(view, at, end));
   if (topic === '/hand/account') takeAccount(segment.accounts, time, new Fields(view, at, end));
   if (topic === '/scene/picture') {
-    segment.pictures.push({time, bytes: new DataView(view.buffer, view.byteOffset + at, end - at)});
-    segment.kept = view.byteLength;  // A view of a part keeps the whole chunk.
-    takeHands(segment.hands, time, new Fields(view, at, end));
+    segment.pictures.push({time, bytes: part()});
+    if (!live) takeHands(segment.hands, time, new Fields(view, at, end));
   }
+  if (topic === '/scene/hands') takeLiveHands(segment.hands, time, new Fields(view, at, end));
+  if (topic === '/scene/transforms') segment.transforms.push({time, bytes: part()});
+  if (topic === '/scene/geometry') segment.geometry = part();
 }
 
 /** Protobuf has x, y, z, w. */
@@ -128,7 +138,8 @@ function putQuaternion(fields, rows, at) {
 function takeSample(table, time, fields) {
   const row = table.add(time);
   const {rows} = table;
-  rows.fill(0, row, row + ROW.size);
+  rows.fill(0, row, row + ROW.proxy);
+  rows.fill(NaN, row + ROW.proxy, row + ROW.size);
   rows[row + ROW.orientation] = 1;
   while (fields.next()) {
     switch (fields.number) {
@@ -169,10 +180,40 @@ function takeHands(hands, time, update) {
       if (entity.number === 7) takeArrow(entity.message(), pose);
     }
     if (!number || Number.isNaN(pose[0])) continue;
-    if (!hands.has(Number(number))) hands.set(Number(number), new Table(ROW.size));
-    const table = hands.get(Number(number));
-    const row = table.add(time);  // It may take other room for the rows.
-    table.rows.set(pose, row);
+    addHand(hands, Number(number), time, pose);
+  }
+}
+
+function addHand(hands, number, time, values) {
+  if (!hands.has(number)) hands.set(number, new Table(ROW.size));
+  const table = hands.get(number);
+  const row = table.add(time);  // It may take other room for the rows.
+  table.rows.set(values, row);
+}
+
+/** The hands of a feltwire.Hands. */
+function takeLiveHands(hands, time, all) {
+  const values = new Float32Array(ROW.size);
+  while (all.next()) {
+    if (all.number !== 2) continue;
+    let number = 0;
+    values.fill(0);
+    values[ROW.orientation] = 1;
+    values[ROW.age] = NaN;
+    for (const hand = all.message(); hand.next();) {
+      switch (hand.number) {
+        case 1: number = hand.value; break;
+        case 2: hand.numbers(values, ROW.position, 3); break;
+        case 3: putQuaternion(hand, values, ROW.orientation); break;
+        case 4: hand.numbers(values, ROW.proxy, 3); break;
+        case 5: hand.numbers(values, ROW.elastic, 3); break;
+        case 6: hand.numbers(values, ROW.friction, 3); break;
+        case 7: hand.numbers(values, ROW.held, 3); break;
+        case 8: values[ROW.depth] = hand.value; break;
+        default:
+      }
+    }
+    addHand(hands, number, time, values);
   }
 }
 
