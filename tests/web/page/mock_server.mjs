@@ -132,11 +132,12 @@ export async function startServer({folder, port = 0, hands = 2, bodies = 1, toke
   };
   server.on('upgrade', (request, socket) => {
     requests.push(request.url);
+    if (request.url !== '/live') return socket.end('HTTP/1.1 404 Not Found\r\nConnection: close\r\n\r\n');
     const accept = createHash('sha1').update(`${request.headers['sec-websocket-key']}258EAFA5-E914-47DA-95CA-C5AB0DC85B11`).digest('base64');
     socket.write(`HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: ${accept}\r\n` +
       'Sec-WebSocket-Protocol: feltwire.live.v1\r\n\r\n');
     const viewer = new Viewer(socket, (message) => welcome(viewer, message));
-    socket.on('close', () => viewers.delete(viewer));
+    return socket.on('close', () => viewers.delete(viewer));
   });
 
   const pictures = setInterval(() => {

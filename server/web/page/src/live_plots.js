@@ -14,8 +14,8 @@ const ZOOM = 1.5;  // of a key
 const MOVE = 0.2;  // share of the window that a key moves it
 
 /**
- * What is plotted: a line has a name, an explanation, a column, a color of the theme, and how its value is written. `compared` is the line
- * that is shown of several hands.
+ * All plots. A line has a name, an explanation, a column, a color of the theme, and how its value is written. `compared` is the line that is
+ * shown of several hands.
  */
 const PLOTS = [
   {

@@ -29,7 +29,7 @@ export const range = (least) => (plot, _low, _high, scale) => {
   return [low < -0.02 * least ? -roundUp(-low) : 0, roundUp(high)];
 };
 
-/** Where a line has a gap, for uPlot: around values that are not known (NaN). @returns {[number, number][]} places on the canvas */
+/** Finds the gaps of a line, for uPlot: around values that are not known (NaN). @returns {[number, number][]} places on the canvas */
 export function gaps(plot, series, first, last) {
   const data = plot.data[series];
   const place = (i) => plot.valToPos(plot.data[0][Math.min(Math.max(i, first), last)], 'x', true);

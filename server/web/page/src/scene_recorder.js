@@ -71,7 +71,7 @@ export class SceneRecorder {
     if (this.writer.size > MOST) this.#end('it has as much as this page keeps, 256 MB');
   }
 
-  /** What is older than the recording gets the time of its begin. */
+  /** A message that is older than the recording gets the time of its begin. */
   #write({id, topic, time, data}) {
     const now = topic === ONCE || time < this.first ? this.last : time;
     if (now > this.last) this.last = now;

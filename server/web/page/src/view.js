@@ -172,7 +172,7 @@ export class View {
     this.stale = true;
   }
 
-  /** The same, with the hands that are outside of the box. */
+  /** Shows the whole box, and the hands that are outside of it. */
   lookAtAllHands() {
     const half = this.frame.extent.clone().multiplyScalar(0.5);
     const [low, high] = [this.frame.center.clone().sub(half), this.frame.center.clone().add(half)];
@@ -184,7 +184,7 @@ export class View {
     this.lookAtAll(START, {center: low.clone().add(high).multiplyScalar(0.5), extent: high.sub(low)});
   }
 
-  /** Where the camera is, and what it looks at [m]. @type {import('./link.js').Pose} */
+  /** The place of the camera, and the point that it looks at [m]. @type {import('./link.js').Pose} */
   get pose() {
     return {position: this.camera.position.toArray(), target: this.controls.target.toArray()};
   }
