@@ -1,17 +1,15 @@
 #include "client/app/add_options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cstdint>
-#include <iostream>
 #include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "client/app/device_settings.hpp"
-#include "client/emulated_link/link_options.hpp"
 #include "core/base/enum_names.hpp"
-#include "core/device/spec_text.hpp"
+#include "core/device/device_spec.hpp"
 #include "protocol/session/profiles.hpp"
 
 namespace feltwire {
@@ -23,15 +21,16 @@ std::string short_text(double value) {
   return text.str();
 }
 
-void list_specs() {
-  for (const SourcedSpec& described : sourced_builtin_devices())
-    std::cout << spec_table(described) << "\n";
-  throw CLI::Success();
+constexpr std::array<std::string_view, 3> kLocalModelNames = {"off", "patches", "whole"};
+
+std::string local_model_complaint(const std::string& value) {
+  if (find_named(kLocalModelNames, value) != nullptr) return {};
+  return "'" + value + "' is none of " + joined_names(kLocalModelNames, ", ");
 }
 
 void add_run_options(CLI::App& app, OptionValues& values, ClientOptions& options) {
   app.add_option("--config", values.config,
-                 "FILE.json with options: {\"packet_rate\": 100}. The command line and the "
+                 "FILE.json with options: {\"rate\": 500}. The command line and the "
                  "environment override it (docs/devices.md)");
   app.add_option("--connect", values.connect,
                  "HOST:PORT of the server's control port; IPv6 as [::1]:PORT")
@@ -54,9 +53,6 @@ void add_run_options(CLI::App& app, OptionValues& values, ClientOptions& options
          "below). " +
              driver_choices())
       ->capture_default_str();
-  app.add_option(
-      "--firmware", values.firmware,
-      "FILE with the maker's firmware. A Falcon loses its firmware when its power is off");
   app.add_option(
       "--lead", values.lead,
       "[s] Lead the scene's robot and feel its contacts (docs/teleoperation.md). A simulated or "
@@ -89,12 +85,6 @@ void add_run_options(CLI::App& app, OptionValues& values, ClientOptions& options
   app.add_option("--link", values.link,
                  "Emulate a network: a profile such as wifi, or numbers such as "
                  "delay=25,jitter=5,loss=10 (see below)");
-  app.footer("\nSettings of --device (docs/devices.md):" + device_settings_help() + "\n" +
-             link_help() +
-             "\nCommands, each with its own --help:\n"
-             "  admin      show and change the state of a running server (docs/admin.md)\n"
-             "  devices    list the connected devices and their problems (docs/devices.md)\n"
-             "  identify   measure a device's damping, friction and mass (docs/devices.md)");
   app.add_option(
          "--changes", values.changes,
          "Changes that an admin of the server may make to this running client (docs/admin.md). "
@@ -117,8 +107,7 @@ void add_run_options(CLI::App& app, OptionValues& values, ClientOptions& options
       ->capture_default_str();
 }
 
-void add_session_options(CLI::App& app, OptionValues& values, ClientOptions& options) {
-  SessionParameters& parameters = options.parameters;
+void add_session_options(CLI::App& app, OptionValues& values) {
   const auto session = "Session";
   app.add_option(
          "--spec", values.spec,
@@ -126,60 +115,19 @@ void add_session_options(CLI::App& app, OptionValues& values, ClientOptions& opt
              ", or FILE.json. Default: the specification from the device, else the specification "
              "of its kind")
       ->group(session);
-  app.add_option("--damping", values.damping,
-                 "B or BX,BY,BZ [N s/m] Damping of the device. Default: from the specification")
-      ->delimiter(',')
-      ->group(session);
-  app.add_option("--mass", values.mass,
-                 "[kg] Lower bound of the handle's mass in every direction. Default: from the "
-                 "specification")
-      ->group(session);
-  app.add_flag_callback(
-      "--list-specs", list_specs,
-      "Print the built-in specifications, with the source of each number, and exit");
   app.add_option("--mode", values.mode,
-                 "Energy bound: " + bounding_method_choices() +
-                     ". Default: " + std::string(kSessionMethod) +
-                     ". Default with --bounding server or both: " + std::string(kDefaultMethod))
+                 "METHOD of the energy bound, and settings: METHOD,KEY=VALUE,... or KEY=VALUE,... "
+                 "(see below). " +
+                     bounding_method_choices() + ". Default: " + std::string(kSessionMethod) +
+                     ". Default with side=server or side=both: " + std::string(kDefaultMethod))
       ->group(session);
-  app.add_option("--projection", values.projection,
-                 "Projection of contact_frame: " + joined_names(kProjectionNames))
-      ->capture_default_str()
-      ->group(session);
-  app.add_option("--storage", values.storage,
-                 "Energy storage of contact_frame: " + joined_names(kStorageNames))
-      ->capture_default_str()
-      ->group(session);
-  app.add_option("--reference", values.reference,
-                 "Reference of passivity_control*: " + joined_names(kPassivityReferenceNames))
-      ->capture_default_str()
-      ->group(session);
-  app.add_option("--coupling-stiffness", parameters.coupling_stiffness,
-                 "[N/m] Stiffness of virtual_coupling. Default: the largest passive stiffness")
-      ->group(session);
-  app.add_option("--coupling-damping", parameters.coupling_damping,
-                 "[N s/m] Damping of virtual_coupling. Default: the largest allowed damping")
-      ->group(session);
-  app.add_option("--tool-mass", parameters.tool_mass,
-                 "[kg] Mass of the simulated tool of virtual_coupling")
-      ->capture_default_str()
-      ->group(session);
-  app.add_option(
-         "--bounding", values.side,
-         "Place of the bound: " + joined_names(kBoundingSideNames) +
-             ". Default: client, but server for virtual_coupling and passivity_control_parallel")
+  app.add_option("--traffic", values.traffic,
+                 "Network to the server, " + network_profile_names() +
+                     ", and settings: PROFILE,KEY=VALUE,... or KEY=VALUE,... (see below; "
+                     "docs/network.md, docs/lab/trade.md). The settings override the profile")
       ->group(session);
   app.add_option("--rate", values.rate,
                  "[Hz] Rate of the servo loop, unless the device sets the rate")
-      ->capture_default_str()
-      ->group(session);
-  app.add_option("--redundancy", parameters.redundancy,
-                 "Number of earlier samples that each datagram repeats")
-      ->capture_default_str()
-      ->group(session);
-  app.add_option("--operator-damping", parameters.operator_damping,
-                 "[N s/m] Known least damping of the operator's hand. The bound uses it. The "
-                 "energy account after the bound does not")
       ->capture_default_str()
       ->group(session);
   app.add_option("--hold-time", values.hold_time,
@@ -192,66 +140,22 @@ void add_session_options(CLI::App& app, OptionValues& values, ClientOptions& opt
                  "[s] Longest hold time that the client accepts. Servers with a profile may "
                  "lengthen the hold time. Default: --hold-time")
       ->group(session);
-  app.add_flag_function(
-         "--local-model,!--no-local-model",
-         [&values](std::int64_t times) { values.local_model = times > 0; },
-         "Request a local model: replies contain the surfaces near the tool, and the client "
-         "renders them at its own rate (docs/network.md). Not with --bounding server. Default: "
-         "only for the methods shaped, midpoint and credited, or if the profile requests it")
+  app.add_option("--local-model", values.local_model,
+                 "Surfaces near the tool that the client renders at its own rate "
+                 "(docs/network.md): " +
+                     joined_names(kLocalModelNames) +
+                     ". patches: replies contain patches or planes near the tool. whole: the "
+                     "client also fetches the whole meshes of the scene, or the tool's body and "
+                     "the solids. Not with side=server. Default: whole for the methods shaped, "
+                     "midpoint and credited, or if the profile of --traffic requests it; else off")
+      ->check(local_model_complaint)
       ->group(session);
-
-  app.add_flag_function(
-         "--whole-surfaces,!--no-whole-surfaces",
-         [&values](std::int64_t times) { values.whole_surfaces = times > 0; },
-         "Fetch the whole meshes of the scene for the local model, or the tool's body and the "
-         "solids (docs/network.md). With --no-whole-surfaces, replies contain only patches or "
-         "planes near the tool")
-      ->group(session);
-
   app.add_flag_function(
          "--rehearsal,!--no-rehearsal",
          [&values](std::int64_t times) { values.rehearses = times > 0; },
          "Simulate presses on walls with the law of this session, and print what a hand will feel "
          "(docs/devices.md)")
       ->group(session);
-}
-
-void add_traffic_options(CLI::App& app, OptionValues& values, ClientOptions& options) {
-  SessionParameters& parameters = options.parameters;
-  const auto traffic = "Traffic (docs/network.md)";
-  app.add_option("--profile", values.profile,
-                 "Network to the server, " + network_profile_names() +
-                     ". The profile sets the traffic options (docs/lab/trade.md). Options of the "
-                     "command line override the profile")
-      ->group(traffic);
-  app.add_option("--packet-rate", values.packet_rate,
-                 "[Hz] Rate of the datagrams to the server, at most --rate. The interval is a "
-                 "whole number of servo ticks. Default: one datagram per tick")
-      ->group(traffic);
-  app.add_option("--batch", parameters.batch,
-                 "Number of evenly spaced new samples in each datagram. --batch plus --redundancy "
-                 "is at most 9")
-      ->capture_default_str()
-      ->group(traffic);
-  app.add_option("--position-deadband", values.position_deadband_percent,
-                 "[%] Send a sample only if it changes the force by more than this share, 0 to 50. "
-                 "0: send all samples")
-      ->capture_default_str()
-      ->group(traffic);
-  app.add_option("--force-deadband", values.force_deadband_percent,
-                 "[%] The server answers only if the force changed by more than this share, 0 to "
-                 "50. 0: it always answers")
-      ->capture_default_str()
-      ->group(traffic);
-  app.add_option("--predictor", values.predictor,
-                 "Prediction that a deadband compares with: " + joined_names(kPredictorNames) +
-                     ". level: the last sent value. linear: the line through the last sent values")
-      ->capture_default_str()
-      ->group(traffic);
-  app.add_option("--keep-alive", parameters.keep_alive,
-                 "[s] Longest time without a datagram while a deadband is active")
-      ->capture_default_str()
-      ->group(traffic);
 }
 
 void add_safety_options(CLI::App& app, OptionValues& values, ClientOptions& options) {
@@ -292,18 +196,9 @@ void add_safety_options(CLI::App& app, OptionValues& values, ClientOptions& opti
          "under force. At least two servo periods, at most --hold-time. Default: five servo "
          "periods; 20 without real-time scheduling; --hold-time for a device that nobody holds")
       ->group(safety);
-  app.add_option(
-         "--await-still", values.await_still,
-         "[s] The force starts after the hand was still for this time, or when the enabling switch "
-         "is pressed. 0: no wait. Default: 0.25 for a device that a person holds, else 0")
-      ->group(safety);
   app.add_flag("--learn-hand-force", options.servo.learns_hand_force,
                "The energy account uses 1.5 times the largest recent hand force, if that is less "
                "than the device's hand_force")
-      ->group(safety);
-  app.add_flag("!--no-account", options.servo.account,
-               "Run the method without an energy account after it, as published in its paper. Not "
-               "with shaped, midpoint, credited, --operator-damping or --bounding server")
       ->group(safety);
 }
 
@@ -311,8 +206,7 @@ void add_safety_options(CLI::App& app, OptionValues& values, ClientOptions& opti
 
 void add_options(CLI::App& app, OptionValues& values, ClientOptions& options) {
   add_run_options(app, values, options);
-  add_session_options(app, values, options);
-  add_traffic_options(app, values, options);
+  add_session_options(app, values);
   add_safety_options(app, values, options);
 }
 

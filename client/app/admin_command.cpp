@@ -16,6 +16,7 @@
 #include "core/base/enum_names.hpp"
 #include "core/base/units.hpp"
 #include "core/base/visible_text.hpp"
+#include "protocol/command_line/command_error.hpp"
 #include "protocol/command_line/environment.hpp"
 #include "protocol/command_line/suggestion.hpp"
 #include "protocol/session/bound_words.hpp"
@@ -347,7 +348,7 @@ void run(const std::vector<AdminCommand>& commands, const ServerAccess& server,
 }
 
 int fail(const std::string& why, int status) {
-  std::fprintf(stderr, "feltwire-client admin: %s\n", visible(why).c_str());
+  std::fprintf(stderr, "feltwire-client admin: %s\n", printable_error(why).c_str());
   return status;
 }
 
@@ -385,8 +386,9 @@ std::string admin_answer(const ServerAccess& server, const std::vector<std::stri
   try {
     app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::ParseError& error) {
-    throw std::invalid_argument(error.get_exit_code() == 0 ? "--help is for feltwire-client only"
-                                                           : error.what() + advice(error, app));
+    throw std::invalid_argument(error.get_exit_code() == 0
+                                    ? "--help is for feltwire-client only"
+                                    : without_tokens(error.what() + advice(error, app)));
   }
   read.json = true;
   std::string text;

@@ -17,6 +17,7 @@
 #include <string>
 #include <thread>
 
+#include "client/app/device_settings.hpp"
 #include "client/drivers/drivers.hpp"
 #include "client/identify/identified_spec.hpp"
 #include "client/identify/measure.hpp"
@@ -24,6 +25,8 @@
 #include "core/base/pending_file.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/device/spec_text.hpp"
+#include "protocol/command_line/command_error.hpp"
+#include "protocol/command_line/environment.hpp"
 #include "protocol/command_line/suggestion.hpp"
 #include "protocol/net/real_time.hpp"
 
@@ -35,7 +38,7 @@ constexpr int kWrongWords = 2, kGaveUp = 1;
 constexpr Nanoseconds kPreparing = std::chrono::minutes(2);
 
 struct IdentifyWords {
-  std::string device, spec, firmware, out = "device.json";
+  std::string device, spec, out = "device.json";
   std::optional<double> force;
   bool yes = false;
 };
@@ -150,27 +153,25 @@ void run(Device& device, Identification& identification) {
 }
 
 void identify(const IdentifyWords& words) {
-  const DriverChoice choice = chosen_driver(words.device);
-  if (!choice.driver->gives_force)
+  BareDevice bare = bare_device(words.device);
+  if (!bare.driver->gives_force)
     throw std::invalid_argument(
-        "--device " + std::string(choice.driver->kind) +
+        "--device " + std::string(bare.driver->kind) +
         ": it gives no force, so it cannot be measured; name a device that gives force");
-  DeviceRequest request;
-  request.name = choice.name;
+  DeviceRequest& request = bare.request;
   request.spec.name_or_file = words.spec;
   request.held = false;
-  request.firmware = firmware_for(*choice.driver, words.firmware);
   if (is_special(words.out))
     throw std::invalid_argument("--out " + words.out +
                                 ": it is not a regular file; give the path of a regular file");
 
-  const OpenedDevice opened = choice.driver->open(request);
+  const OpenedDevice opened = bare.driver->open(request);
   Device& device = *opened.device;
   for (const std::string& note : opened.notes)
     std::fprintf(stderr, "feltwire-client identify: note: %s\n", visible(note).c_str());
   await_prepared(device, kPreparing, tell_no_force);
   const SourcedSpec known =
-      reported_spec(requested_spec(request.spec, choice.driver->spec), device.spec());
+      reported_spec(requested_spec(request.spec, bare.driver->spec), device.spec());
   const IdentifyLimits limits = identify_limits(known.spec, words.force);
   const double longest = std::chrono::duration<double>(device.longest_tick()).count();
   // A device that sets the tick rate may tick at up to 4 kHz, faster than the rate that it
@@ -212,7 +213,7 @@ void identify(const IdentifyWords& words) {
 }
 
 int failed(const std::string& why, int status) {
-  std::fprintf(stderr, "feltwire-client identify: %s\n", visible(why).c_str());
+  std::fprintf(stderr, "feltwire-client identify: %s\n", printable_error(why).c_str());
   return status;
 }
 
@@ -222,13 +223,13 @@ int identify_command(int argc, char** argv) {
   CLI::App app("Measures a device that nobody holds, and writes a file for --spec",
                "feltwire-client identify");
   IdentifyWords words;
-  app.add_option("--device", words.device, "KIND or KIND:NAME. " + driver_choices())->required();
+  app.add_option(
+         "--device", words.device,
+         "KIND or KIND:NAME. " + driver_choices() + ". A Falcon may need falcon:firmware=FILE")
+      ->required();
   app.add_option("--spec", words.spec,
                  "Known specification of the device: a built-in name or FILE.json. Its largest "
                  "force and workspace limit the measurement");
-  app.add_option(
-      "--firmware", words.firmware,
-      "FILE with the maker's firmware. A Falcon loses its firmware when its power is off");
   app.add_option("--out", words.out, "FILE.json for the measured specification")
       ->capture_default_str();
   app.add_option(
@@ -238,6 +239,7 @@ int identify_command(int argc, char** argv) {
       "--yes", words.yes,
       "Start without a question. Nobody may hold the device, and its workspace must be clear");
   try {
+    check_words(app, argc, argv, {{"firmware", "--device falcon:firmware=FILE"}});
     app.parse(argc, argv);
     identify(words);
     return 0;

@@ -18,6 +18,7 @@
 #include "client/run/check.hpp"
 #include "client/run/run_client.hpp"
 #include "core/base/visible_text.hpp"
+#include "protocol/command_line/command_error.hpp"
 
 namespace feltwire {
 namespace {
@@ -82,7 +83,7 @@ int main(int argc, char** argv) {
     if (const int* code = std::get_if<int>(&parsed)) return *code;
     return feltwire::run(std::get<feltwire::ClientOptions>(parsed));
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "feltwire-client: %s\n", feltwire::visible(error.what()).c_str());
+    std::fprintf(stderr, "feltwire-client: %s\n", feltwire::printable_error(error.what()).c_str());
     return 1;
   }
 }

@@ -8,10 +8,10 @@
 #include <string_view>
 #include <utility>
 
+#include "client/app/session_settings.hpp"
 #include "client/run/hold_time.hpp"
 #include "client/run/output_files.hpp"
 #include "core/base/enum_names.hpp"
-#include "core/base/units.hpp"
 #include "core/base/utf8.hpp"
 #include "core/device/device_file.hpp"
 #include "core/recording/flight_files.hpp"
@@ -50,25 +50,11 @@ ChangesTaken changes(const OptionValues& values, const ClientOptions& options) {
   return {.laws = laws, .link = laws != LawsTaken::none && options.link.has_value()};
 }
 
-double period_of(const OptionValues& values) {
-  const double period = 1.0 / values.rate;
-  require(period >= kShortestServoPeriod && period <= kLongestServoPeriod,
-          "--rate must be from 10 to 100000 Hz");
-  return period;
-}
-
 /// Returns the role that `word` names: operator, pointer or observer. Throws std::invalid_argument.
 Role role_of_hand(const std::string& word) {
   for (const Role one : {Role::operator_, Role::pointer, Role::observer})
     if (name(one) == word) return one;
   throw std::invalid_argument("--role must be operator, pointer or observer, is '" + word + "'");
-}
-
-/// Returns the datagram rate [Hz], or nothing for one datagram per tick.
-std::optional<double> packet_rate(const OptionValues& values, Role role) {
-  constexpr double kPictures = 100.0;  // [Hz] default of an observer
-  const bool usual = !values.packet_rate && values.profile.empty();
-  return usual && role == Role::observer ? std::min(kPictures, values.rate) : values.packet_rate;
 }
 
 /// Sets `let_go_after`, the longest time of a force without a servo tick, and the longest hold time
@@ -92,39 +78,6 @@ void choose_holds(const OptionValues& values, ClientOptions& options) {
   }
 }
 
-/// Sets the datagram rate and the deadbands. Throws std::invalid_argument.
-void choose_traffic(const OptionValues& values, std::optional<double> rate,
-                    SessionParameters& parameters) {
-  parameters.position_deadband = values.position_deadband_percent / kPercent;
-  parameters.force_deadband = values.force_deadband_percent / kPercent;
-  parameters.predictor = predictor(values.predictor);
-  if (!rate) return;
-  require(*rate > 0.0 && *rate <= values.rate,
-          "--packet-rate must be above 0 Hz and at most --rate");
-  // Round the interval up, so that the datagram rate is at most `rate`. Allow for a rounded `rate`:
-  // 1000 Hz / 333.3 Hz counts as 3 ticks.
-  constexpr double kRounded = 1e-3;
-  const double ticks = std::ceil(values.rate / *rate - kRounded);
-  require(ticks <= kMaxPacketInterval, "--packet-rate must be at least --rate / 1000");
-  parameters.packet_interval = std::max(1, static_cast<int>(ticks));
-}
-
-/// Sets the bounding method, its side (client or server) and the local model. The values of omitted
-/// options follow from the given options. Throws std::invalid_argument.
-void choose_bound(const OptionValues& values, SessionParameters& parameters) {
-  if (!values.side.empty()) parameters.side = bounding_side(values.side);
-  const bool here = parameters.side == BoundingSide::client;
-  const std::string_view usual = here ? kSessionMethod : kDefaultMethod;
-  parameters.mode = values.mode.empty() ? usual : bounding_method(values.mode).name;
-  const BoundingMethod& method = bounding_method(parameters.mode);
-  if (values.side.empty() && stands_beside_scene(method)) parameters.side = BoundingSide::server;
-  parameters.projection = projection(values.projection);
-  parameters.storage = storage(values.storage);
-  parameters.reference = passivity_reference(values.reference);
-  const bool by_profile = !values.profile.empty() && parameters.local_model;
-  parameters.local_model = values.local_model.value_or(by_profile || method.shapes);
-}
-
 /// Returns the files that have a path.
 std::vector<NamedFile> named(std::vector<NamedFile> files) {
   std::erase_if(files, [](const NamedFile& file) { return file.path.empty(); });
@@ -143,7 +96,7 @@ std::vector<NamedFile> read_files(const OptionValues& values) {
   const bool reads = device.driver->file != nullptr && !device.name.empty();
   return named({{"--device", reads ? device.driver->file(device.name) : std::string()},
                 {"--config", values.config},
-                {"--firmware", values.firmware},
+                {"firmware of --device", values.firmware},
                 {"--fingerprint-file", c.fingerprint_file},
                 {"--ca", c.ca},
                 {"--certificate", c.certificate},
@@ -172,7 +125,7 @@ void choose_recording(const OptionValues& values, ClientOptions& options) {
 
 Damping damping(const std::vector<double>& numbers) {
   require(numbers.size() == 1 || numbers.size() == 3,
-          "--damping must be one number [N s/m], or three along x, y and z: BX,BY,BZ");
+          "damping of --device must be one number [N s/m], or three along x, y and z: BX,BY,BZ");
   return numbers.size() == 1 ? Damping(numbers[0])
                              : Damping(Vec3(numbers[0], numbers[1], numbers[2]));
 }
@@ -259,7 +212,7 @@ void choose_buttons(const OptionValues& values, int robot_button, const Driver& 
 
 /// Returns the tool weight, emergency button and still time. Throws std::invalid_argument.
 ProtectionOptions protection(const OptionValues& values, const Driver& driver) {
-  constexpr double kUsualStill = 0.25;  // [s] default of --await-still for a hand that feels force
+  constexpr double kUsualStill = 0.25;  // [s] default of await_still for a hand that feels force
   ProtectionOptions options;
   if (!values.tool_weight.empty()) options.tool_weight = weight(values.tool_weight);
   options.emergency_button = values.emergency_button;
@@ -322,22 +275,11 @@ void choose_lead(const OptionValues& values, ClientOptions& options) {
           "--lead must be from 0.2 to 1e7 s: the switch must be seen released first");
   require(options.role != Role::observer, "--lead is not for observers; leave out --role");
   require(options.parameters.local_model,
-          "--lead needs the local model; leave out --no-local-model");
+          "--lead needs the local model; leave out --local-model off");
   options.servo.leads = trust(values);
 }
 
 }  // namespace
-
-void apply_profile(const NetworkProfile& line, OptionValues& values,
-                   SessionParameters& parameters) {
-  parameters = {};
-  parameters.mode = values.mode.empty() ? kSessionMethod : bounding_method(values.mode).name;
-  parameters.servo_period = period_of(values);
-  parameters = over(line, parameters);
-  values.position_deadband_percent = kPercent * parameters.position_deadband;
-  values.force_deadband_percent = kPercent * parameters.force_deadband;
-  values.predictor = name(parameters.predictor);
-}
 
 void to_client_options(const OptionValues& values, HandTask task, ClientOptions& options) {
   if (values.has_server) {
@@ -364,12 +306,12 @@ void to_client_options(const OptionValues& values, HandTask task, ClientOptions&
   options.role = role_of_hand(values.role);
   require(values.view.empty() || options.role == Role::observer,
           "--view is only for observers; also give --role observer");
-  choose_bound(values, options.parameters);
-  options.parameters.servo_period = period_of(values);
+  choose_bound(values, options);
+  options.parameters.servo_period = servo_period_of(values);
   options.hold_time_follows = !values.hold_time;
   if (values.hold_time) options.parameters.hold_time = *values.hold_time;
   choose_hold_time(options.parameters, options.hold_time_follows);
-  choose_traffic(values, packet_rate(values, options.role), options.parameters);
+  choose_traffic(values, options.role, options.parameters);
   validate(options.parameters);
   choose_holds(values, options);
   choose_safety(values, options);
@@ -394,7 +336,6 @@ void to_client_options(const OptionValues& values, HandTask task, ClientOptions&
   if (!values.view.empty()) options.view = values.view;
   require_different(written_files(values), read_files(values));
   options.dscp = dscp(values.dscp);
-  options.whole_surfaces = values.whole_surfaces;
   options.rehearses = values.rehearses;
   if (!values.link.empty()) options.link = parse_link(values.link);
   options.takes = changes(values, options);

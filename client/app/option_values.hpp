@@ -8,7 +8,6 @@
 
 #include "client/app/client_options.hpp"
 #include "client/command_line/credential_options.hpp"
-#include "protocol/session/profiles.hpp"
 
 namespace feltwire {
 
@@ -18,13 +17,12 @@ struct OptionValues {
   std::string config;  // file with options
   std::string connect, scene, device = "simulated", spec;
   std::string mode, projection = std::string(name(SessionParameters{}.projection)),
-                    storage = "minimal", reference = "zero", side, path = "press", wrist = "still",
-                    predictor = "level";
+                    storage = "minimal", reference = "zero", side, account = "on", path = "press",
+                    wrist = "still", predictor = "level";
   double wrist_angle = WristTask{}.angle;  // [rad]
   std::optional<std::vector<double>> damping;
   std::optional<double> mass;
-  std::optional<bool> local_model;
-  bool whole_surfaces = true;
+  std::string local_model;  // off, patches or whole; empty: as the method and the profile need it
   bool rehearses = true;
   std::string changes = "none";
   double rate = 1000.0;
@@ -45,14 +43,11 @@ struct OptionValues {
   std::optional<double> await_still;                      // [s]
   std::optional<double> let_go_after, longest_hold_time;  // [s]
   std::optional<double> wait_for_small_force, ramp_up, velocity_limit;
-  std::string report, record, view, flight_recorder, link, profile, dscp = "cs0", role = "operator";
+  std::string report, record, view, flight_recorder, link, traffic, dscp = "cs0", role = "operator";
+  std::string profile;  // of the traffic
   RecordingLimits record_limits;
   CredentialOptions credentials;
 };
-
-/// Begins with the values of a network profile, before the command line is read once more: its
-/// options override them. Throws std::invalid_argument.
-void apply_profile(const NetworkProfile& line, OptionValues& values, SessionParameters& parameters);
 
 /// Checks the values and sets the options. `task`: of the simulated hand. Throws
 /// std::invalid_argument with the option's name.

@@ -1,7 +1,5 @@
 #include "client/app/rival_options.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <string>
@@ -10,19 +8,13 @@
 #include "client/drivers/drivers.hpp"
 #include "core/bounding/method.hpp"
 #include "core/recording/recording_files.hpp"
+#include "protocol/command_line/settings.hpp"
 #include "protocol/session/session_parameters.hpp"
 
 namespace feltwire {
 namespace {
 
 using Value = std::string_view;
-
-/// Returns whether CLI11 reads this value of a flag as false.
-bool says_no(Value value) {
-  constexpr std::array<Value, 5> kNo = {"false", "off", "no", "disable", "0"};
-  return std::find(kNo.begin(), kNo.end(), value) != kNo.end();
-}
-bool says_yes(Value value) { return !says_no(value); }
 
 auto is(const char* wanted) {
   return [wanted](Value value) { return value == wanted; };
@@ -40,24 +32,22 @@ const Driver* driver_of(Value device) {
   return nullptr;
 }
 
-/// Returns the method of a --mode value, or null if there is none. The option's parser reports the
+/// Returns the method of a --mode value, or null if it names none. The option's parser reports the
 /// error.
 const BoundingMethod* method_of(Value mode) {
+  const Value name = mode.substr(0, mode.find(','));
   for (const BoundingMethod* method : bounding_methods())
-    if (method->name == mode) return method;
+    if (method->name == name) return method;
   return nullptr;
 }
 
-bool for_side(Value mode, BoundingSide side) {
+/// Returns whether the server alone bounds with this value of --mode.
+bool bounds_at_server(Value mode) {
+  if (const auto side = setting_in(mode, "side")) return *side == "server";
   const BoundingMethod* method = method_of(mode);
-  if (method == nullptr) return true;
-  if (method->shapes) return side == BoundingSide::client;
-  return !stands_beside_scene(*method) || side == BoundingSide::server;
+  return method != nullptr && stands_beside_scene(*method);
 }
-
-bool for_client(Value mode) { return for_side(mode, BoundingSide::client); }
-bool for_server(Value mode) { return for_side(mode, BoundingSide::server); }
-bool for_both(Value mode) { return for_side(mode, BoundingSide::both); }
+bool bounds_at_client(Value mode) { return !bounds_at_server(mode); }
 
 /// Returns whether the number is a limit. "inf" and 0 mean no limit.
 bool limits(Value number) {
@@ -72,32 +62,15 @@ bool admits_limits(Value mode) {
 
 /// Returns the option conflicts of the device kind: some options work only with some devices.
 Rivals of_devices() {
-  Rivals rivals = {
-      {"device", "firmware", [](Value d) { return driver_of(d) && !driver_of(d)->takes_firmware; }},
-      // A check uses its own simulated hand, so these options do not apply.
-      {"check", "device"},
-      {"check", "firmware"}};
+  // A check uses its own simulated hand.
+  Rivals rivals = {{"check", "device"}};
   return rivals;
 }
 
-/// Returns the option conflicts of the side (client, server or both) and the method of the force
-/// bound.
+/// Returns the option conflicts of the bound: its side, its method and the local model.
 Rivals of_bounds() {
-  const auto paper = [](Value mode) { return for_client(mode) && for_server(mode); };
-  Rivals rivals = {{"bounding", "mode", is("client"), for_client},
-                   {"bounding", "mode", is("server"), for_server},
-                   {"bounding", "mode", is("both"), for_both},
-                   {"bounding", "local-model", is("server"), says_no},
-                   {"bounding", "no-account", is("server"), says_no},
-                   {"mode", "bounding", [](Value mode) { return !for_server(mode); }, is("client")},
-                   {"mode", "bounding", [](Value mode) { return !for_client(mode); }, is("server")},
-                   {"mode", "no-account", [=](Value mode) { return !paper(mode); }, says_no},
-                   {"local-model", "bounding", says_yes, is_not("server")},
-                   {"local-model", "mode", says_yes, for_client},
-                   {"mode", "local-model", [](Value mode) { return !for_client(mode); }, says_no},
-                   {"no-account", "bounding", {}, is_not("server")},
-                   {"no-account", "operator-damping"},
-                   {"operator-damping", "no-account", {}, says_no},
+  Rivals rivals = {{"mode", "local-model", bounds_at_server, is("off")},
+                   {"local-model", "mode", is_not("off"), bounds_at_client},
                    // Some methods do not admit these further limits on the bounded force.
                    {"slew", "mode", limits, admits_limits},
                    {"ramp-up", "mode", limits, admits_limits},
@@ -109,14 +82,14 @@ Rivals of_bounds() {
 Rivals of_roles() {
   Rivals rivals = {{"lead", "role"},
                    {"lead", "view"},
-                   {"lead", "bounding", {}, is_not("server")},
-                   {"lead", "local-model", {}, says_yes},
+                   {"lead", "mode", {}, bounds_at_client},
+                   {"lead", "local-model", {}, is_not("off")},
                    {"role", "view", is_not("observer")}};
   // These options need a hand that leads a robot, with the local model at the client.
   for (const char* option : {"lead", "robot", "trust-robot"}) {
     rivals.push_back({"role", option, is("observer")});
-    rivals.push_back({"local-model", option, says_no});
-    rivals.push_back({"bounding", option, is("server")});
+    rivals.push_back({"local-model", option, is("off")});
+    rivals.push_back({"mode", option, bounds_at_server});
     rivals.push_back({"check", option});
   }
   return rivals;

@@ -22,8 +22,8 @@ namespace {
 
 /// Throws std::invalid_argument for an option that has no meaning in a library.
 void require_meaning(const HandRequest& request, const std::string& word) {
-  constexpr std::array kOfTheProgram = {"--help",  "--help-all",   "--version", "--list",
-                                        "--check", "--list-specs", "--report",  "--rehearsal"};
+  constexpr std::array kOfTheProgram = {"--help",  "--help-all", "--version",  "--list",
+                                        "--check", "--report",   "--rehearsal"};
   for (const char* option : kOfTheProgram)
     if (word == option || word.starts_with(std::string(option) + "="))
       refuse(request, "more: " + word + " is for feltwire-client only");
@@ -60,14 +60,27 @@ std::vector<std::string> command_line(const HandRequest& request, bool caller) {
 
 /// Throws std::invalid_argument for an option that has no meaning without a server.
 void require_no_server(const HandRequest& request, const std::vector<std::string>& words) {
-  constexpr std::array kOfAServer = {"--connect",  "--fingerprint", "--fingerprint-file", "--ca",
-                                     "--cert",     "--key",         "--token-file",       "--scene",
-                                     "--role",     "--local-model", "--no-local-model",   "--link",
-                                     "--reconnect"};
+  constexpr std::array kOfAServer = {"--connect",     "--fingerprint", "--fingerprint-file",
+                                     "--ca",          "--cert",        "--key",
+                                     "--token-file",  "--scene",       "--role",
+                                     "--local-model", "--link",        "--reconnect"};
   for (const std::string& word : words)
     for (const std::string option : kOfAServer)
       if (word == option || word.starts_with(option + "="))
         refuse(request, "more: " + option + " needs a server: leave it out");
+}
+
+/// The options of these words. A device of the caller is a plugin there, and `caller` in an error.
+ClientOptions options_of_hand(const std::vector<std::string>& words, bool caller, bool has_server) {
+  try {
+    return options_of(words, has_server);
+  } catch (const std::invalid_argument& error) {
+    constexpr std::string_view kPlugin = "--device plugin:";
+    std::string said = error.what();
+    if (const std::size_t at = said.find(kPlugin); caller && at != std::string::npos)
+      said.replace(at, kPlugin.size(), "device caller:");
+    throw std::invalid_argument(said);
+  }
 }
 
 std::unique_ptr<CallerDevice> caller_device(const HandRequest& request, ClientOptions& options) {
@@ -93,7 +106,7 @@ std::unique_ptr<OpenHand> open_hand(const HandRequest& request, const SimulatorS
   const bool is_caller = asked == "caller" || asked.starts_with("caller:");
   const std::vector<std::string> words = command_line(request, is_caller);
   if (simulator != nullptr) require_no_server(request, words);
-  ClientOptions options = options_of(words, simulator == nullptr);
+  ClientOptions options = options_of_hand(words, is_caller, simulator == nullptr);
   options.rehearses = false;  // it prints
   std::shared_ptr<SimulatorFeed> feed;
   options.open_port = port_opener(options);

@@ -36,7 +36,7 @@ bool is_pressed(std::uint32_t buttons, int button) noexcept {
 
 DeviceSpec protected_spec(const DeviceSpec& device, const ProtectionOptions& options) {
   if (!(options.still >= 0.0) || !std::isfinite(options.still))
-    throw std::invalid_argument("--await-still must be 0 or above [s]");
+    throw std::invalid_argument("await_still of --device must be 0 or above [s]");
   require_number("emergency_button", options.emergency_button);
   require_number("deadman_button", options.deadman_button.value_or(0));
   require_number("clutch_button", options.clutch_button.value_or(0));

@@ -317,7 +317,7 @@ DriverChoice chosen_driver(std::string_view words) {
 
 std::string firmware_for(const Driver& driver, const std::string& file) {
   if (!file.empty() && !driver.takes_firmware)
-    throw std::invalid_argument("--firmware is for --device falcon; leave it out");
+    throw std::invalid_argument("firmware of --device is for falcon; leave it out");
   return file;
 }
 

@@ -24,7 +24,7 @@ struct DriverChoice {
 /// says that a name is missing or does not fit the kind.
 DriverChoice chosen_driver(std::string_view words);
 
-/// Returns the file of --firmware. Throws std::invalid_argument if there is one and the driver
+/// Returns the file of the firmware. Throws std::invalid_argument if there is one and the driver
 /// takes none.
 std::string firmware_for(const Driver& driver, const std::string& file);
 

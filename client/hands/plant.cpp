@@ -139,8 +139,8 @@ void validate(const Plant& plant, const DeviceSpec& spec) {
                                                " N; give as much or more");
   if (plant.hand.has_pad() && plant.transmission.rigid() && !(spec.apparent_mass > 0.0))
     throw PlantError("hand.pad_stiffness",
-                     "needs a device with an apparent mass above 0 kg; give it in --spec or with "
-                     "--mass");
+                     "needs a device with an apparent mass above 0 kg; give it in --spec or as "
+                     "mass of --device");
 }
 
 Hand held_by(const Plant& plant, Hand hand) {

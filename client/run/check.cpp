@@ -81,7 +81,7 @@ CheckResult answers(const RunFigures& run) {
 }
 
 const char* const kLongLine =
-    "a line with less to do, or --profile wan with the local model; a longer --hold-time lets "
+    "a line with less to do, or --traffic wan with the local model; a longer --hold-time lets "
     "older commands count";
 
 CheckResult round_trip(const RunFigures& run) {
@@ -102,7 +102,7 @@ CheckResult jitter(const RunFigures& run) {
   return check_result(
       "jitter", rising(*run.jitter, passes, kWorks * run.hold_time),
       figure(kMilli * *run.jitter, 2) + " ms from one datagram to the next",
-      "a cable instead of radio; --dscp, where the network heeds it; --profile wifi");
+      "a cable instead of radio; --dscp, where the network heeds it; --traffic wan");
 }
 
 CheckResult loss(const RunFigures& run) {
@@ -111,7 +111,7 @@ CheckResult loss(const RunFigures& run) {
   return check_result(
       "loss", rising(share, kPasses, kWorks),
       figure(kPercent * share, 2) + " % of " + std::to_string(run.datagrams) + " datagrams",
-      "--redundancy 2 repeats samples; a cable instead of radio; less traffic beside it");
+      "--traffic redundancy=2 repeats samples; a cable instead of radio; less traffic beside it");
 }
 
 CheckResult datagram_size(const RunFigures& run, const MachineFacts& machine) {
@@ -130,7 +130,7 @@ CheckResult datagram_size(const RunFigures& run, const MachineFacts& machine) {
                              : std::string()),
       "an MTU of " + std::to_string(needed) +
           " or more on every interface and tunnel of the way; until then fewer samples a "
-          "datagram (--batch, --redundancy)");
+          "datagram (batch and redundancy of --traffic)");
 }
 
 }  // namespace

@@ -32,8 +32,8 @@ void require_heard(const SessionParameters& p, double silence_timeout) {
   std::ostringstream message;
   message << "this client sends every " << silent
           << " s, and the server ends a session that says nothing for " << silence_timeout
-          << " s; give a higher --packet-rate or --rate, a shorter --keep-alive, or the server a "
-             "longer --silence-timeout";
+          << " s; give a higher --rate or a higher packet_rate or shorter keep_alive of "
+             "--traffic, or the server a longer --silence-timeout";
   throw std::invalid_argument(message.str());
 }
 

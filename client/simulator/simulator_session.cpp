@@ -29,7 +29,7 @@ std::shared_ptr<SimulatorFeed> meet_simulator(RunOptions& options, const Simulat
   require(scene.start_position.allFinite(), "start_position is not a number");
   require(std::abs(scene.start_normal.norm() - 1.0) < 1e-3, "start_normal is no unit vector");
   SessionParameters& wanted = options.parameters;
-  require(wanted.side == BoundingSide::client, "--bounding must be client: there is no server");
+  require(wanted.side == BoundingSide::client, "side of --mode must be client: there is no server");
   require(!options.servo.leads, "--lead needs a server with a robot");
   wanted.local_model = true;
   wanted.force_deadband = kNoDeadband;

@@ -222,11 +222,11 @@ SourcedSpec requested_spec(const SpecRequest& request, std::string_view usual) {
 SourcedSpec overruled(SourcedSpec found, const SpecRequest& request) {
   if (request.damping) {
     found.spec.damping = *request.damping;
-    found.sources["damping"] = "--damping";
+    found.sources["damping"] = "damping of --device";
   }
   if (request.mass) {
     found.spec.apparent_mass = found.spec.least_mass = *request.mass;
-    found.sources["apparent_mass"] = found.sources["least_mass"] = "--mass";
+    found.sources["apparent_mass"] = found.sources["least_mass"] = "mass of --device";
   }
   validate(found.spec);
   return found;

@@ -53,7 +53,7 @@ def main(seconds):
         with server.follow(stiffness=robot.STIFFNESS, damping=robot.DAMPING, mass=robot.MASS, gripper_opening=robot.OPEN) as follower:
             thread = threading.Thread(target=run, args=(robot, follower))
             thread.start()
-            with server.join(device="caller", lead=0.2, await_still=0, rate=200) as hand:
+            with server.join(device="caller:await_still=0", lead=0.2, rate=200) as hand:
                 height, felt, begin = 0.3, 0.0, time.monotonic()
                 while (passed := time.monotonic() - begin) < seconds:
                     engaged = follower.state == "engaged"

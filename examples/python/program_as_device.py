@@ -34,7 +34,7 @@ class Mass:
 
 def main(duration: float) -> None:
     with feltwire.serve(PLANE) as server:
-        with server.join(device="caller", rate=200, await_still=0, stale_after=0.1, hold_time=0.5, flight_recorder="off") as hand:
+        with server.join(device="caller:await_still=0", rate=200, stale_after=0.1, hold_time=0.5, flight_recorder="off") as hand:
             normal = tuple(hand.session.start_normal)
             mass = Mass(tuple(hand.session.start_position), normal)
             largest, before = 0.0, time.monotonic()

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/base/file_error.hpp"
+#include "core/base/json_document.hpp"
 #include "core/base/json_outline.hpp"
 #include "protocol/command_line/suggestion.hpp"
 
@@ -111,12 +112,21 @@ class Reader {
     if (node.kind != Kind::word || (node.text != "true" && node.text != "false"))
       fail(node, "is on or off; write true or false");
     if (node.text == "true") return "--" + name;
-    // --no-local-model stands beside --local-model; another flag is off unless it is given.
+    // --no-rehearsal stands beside --rehearsal; another flag is off unless it is given.
     return option.get_lnames().size() > 1 ? "--" + option.get_lnames()[1] : std::string();
+  }
+
+  /// Fails if this was a value of the option in earlier versions.
+  void refuse_old_value(const std::string& name, const json::Node& node,
+                        const std::string& key) const {
+    const auto old = std::ranges::find(renamed_, name + "=" + node.text, &RenamedOption::old);
+    if (old != renamed_.end())
+      fail(node, key, node.text + " is an old spelling; write " + old->now);
   }
 
   /// `key`: of the member that has this value, or a list with it.
   std::string value(const std::string& name, const json::Node& node, const std::string& key) const {
+    if (node.kind == Kind::word) refuse_old_value(name, node, key);
     if (node.kind != Kind::number && node.kind != Kind::string)
       fail(node, key, "is a number or a text; write it so");
     std::string text = node.kind == Kind::number ? node.text : text_of(node, key);
@@ -158,7 +168,23 @@ std::string value_of(const ConfigEntry& entry) {
   return word == "--" + entry.option ? "true" : "false";
 }
 
+/// Throws CLI::ValidationError for a number below 0 of an option that takes none. CLI11 would take
+/// 18446744073709551615 for -1.
+void refuse_negative(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options())
+    if (option->get_type_name() == "UINT")
+      for (const std::string& word : option->results())
+        if (word.starts_with('-'))
+          throw CLI::ValidationError(option->get_name(), "must be 0 or more, is " + word);
+}
+
 }  // namespace
+
+void parse_words(CLI::App& app, std::vector<std::string> words) {
+  std::reverse(words.begin(), words.end());  // as CLI11 takes them
+  app.parse(std::move(words));
+  refuse_negative(app);
+}
 
 std::optional<std::string> given_value(const CLI::App& app, int argc, const char* const* argv,
                                        const std::string& name, bool reads_environment) {
@@ -202,6 +228,28 @@ ConfigFile read_config(const CLI::App& app, std::string_view json,
         json::error_text(config.path, root.line, "", "is no object; write { \"port\": 6720 }"));
   const Reader reader(app, config.path, command_line, file_value, renamed);
   for (const json::Node& node : root.children) config.entries.push_back(reader.entry(node));
+  return config;
+}
+
+FileValue files_in_folder(std::vector<std::string> options) {
+  return [options = std::move(options)](std::string_view option, const std::string& value,
+                                        const std::filesystem::path& folder) {
+    return std::ranges::count(options, option) > 0 ? (folder / value).string() : value;
+  };
+}
+
+ConfigFile given_config(const CLI::App& app, int argc, const char* const* argv,
+                        std::vector<std::string> command_line, const FileValue& file_value,
+                        const Renamed& renamed, bool reads_environment) {
+  const auto file = given_value(app, argc, argv, "config", reads_environment);
+  if (!file) return {};
+  command_line.emplace_back("config");
+  ConfigFile config = read_config(app, read_text(*file), *file, command_line, file_value, renamed);
+  // The token of the environment has no option that would override the file.
+  const char* const token = reads_environment ? std::getenv("FELTWIRE_TOKEN") : nullptr;
+  if (token != nullptr && *token != '\0')
+    std::erase_if(config.entries,
+                  [](const ConfigEntry& entry) { return entry.option == "token-file"; });
   return config;
 }
 

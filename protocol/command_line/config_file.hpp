@@ -2,13 +2,11 @@
 // Options of a program from a configuration file: the same options as on its command line.
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "protocol/command_line/environment.hpp"
@@ -39,8 +37,11 @@ struct ConfigFile {
 using FileValue = std::function<std::string(std::string_view option, const std::string& value,
                                             const std::filesystem::path& folder)>;
 
-/// Reads a configuration file of `app`, an object in JSON: {"packet_rate": 100, "local_model":
-/// false, "damping": [1, 1, 2]}. A number may be written as text, as "inf" must be. An option that
+/// A FileValue whose relative paths are those of `options`.
+FileValue files_in_folder(std::vector<std::string> options);
+
+/// Reads a configuration file of `app`, an object in JSON: {"rate": 100, "rehearsal": false,
+/// "trust_robot": [0.1, 5]}. A number may be written as text, as "inf" must be. An option that
 /// may be repeated (CLI::MultiOptionPolicy::TakeAll) is a list, and in the plural: "scenes".
 /// `command_line`: options that a file cannot set, as those that end the program. `file`: the name
 /// of the file. `renamed`: options with another spelling now. Call it after all options were added.
@@ -55,6 +56,13 @@ ConfigFile read_config(const CLI::App& app, std::string_view json,
 std::optional<std::string> given_value(const CLI::App& app, int argc, const char* const* argv,
                                        const std::string& name, bool reads_environment);
 
+/// Reads the file that --config or its variable names; neither names one: an empty ConfigFile. A
+/// token in the environment drops the file's token_file. --config itself cannot be in the file. The
+/// rest as in read_config() and given_value(). Throws FileError.
+ConfigFile given_config(const CLI::App& app, int argc, const char* const* argv,
+                        std::vector<std::string> command_line, const FileValue& file_value,
+                        const Renamed& renamed, bool reads_environment);
+
 /// The words of a command line together with those of the file. An option on the command line, or
 /// whose variable is set, overrides the file; and it drops its `rivals` from the file.
 /// The rest as in given_value().
@@ -63,9 +71,6 @@ std::vector<std::string> words_with_config(const CLI::App& app, int argc, const 
                                            bool reads_environment);
 
 /// Parses words in the order of a command line. Throws CLI::ParseError.
-inline void parse_words(CLI::App& app, std::vector<std::string> words) {
-  std::reverse(words.begin(), words.end());  // as CLI11 takes them
-  app.parse(std::move(words));
-}
+void parse_words(CLI::App& app, std::vector<std::string> words);
 
 }  // namespace feltwire

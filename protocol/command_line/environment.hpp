@@ -49,7 +49,8 @@ inline Rivals exclusive(std::initializer_list<const char*> names) {
   return rivals;
 }
 
-/// An option that has another spelling now: {"map-scale", "--device KIND:map_scale=..."}.
+/// An option that has another spelling now: {"map-scale", "--device KIND:map_scale=..."}. It may be
+/// one value of an option: {"local-model=true", "--local-model whole"}.
 struct RenamedOption {
   std::string old;  // without the two dashes
   std::string now;  // as on a command line
@@ -108,17 +109,22 @@ inline void check_words(const CLI::App& app, int argc, const char* const* argv,
   for (int i = 1; i < argc && std::string_view(argv[i]) != "--"; ++i) {
     const std::string word = argv[i];
     if (!word.starts_with("--")) continue;
-    const std::string name = word.substr(2, word.find('=') - 2);
+    const std::size_t equals = word.find('=');
+    const std::string name = word.substr(2, equals - 2);
     const CLI::Option* option = option_of(app, name);
-    if (option == nullptr) refuse_renamed(renamed, name, "--" + name);
-    // The word after an option is its value, also where it looks like an option.
-    const bool attached = word.find('=') != std::string::npos;
-    if (option != nullptr && !attached && option->get_items_expected_min() > 0) ++i;
+    if (option == nullptr) {
+      refuse_renamed(renamed, name, "--" + name);
+    } else if (equals != std::string::npos) {
+      refuse_renamed(renamed, word.substr(2), word);
+    } else if (option->get_items_expected_min() > 0) {
+      // The word after an option is its value, also where it looks like an option.
+      if (++i < argc) refuse_renamed(renamed, name + "=" + argv[i], "--" + name + " " + argv[i]);
+    }
   }
 }
 
 /// The value of an option of `app` on the command line, nothing where it is not given. The last one
-/// counts. A flag has the value true, or false where its other name was given, as --no-local-model.
+/// counts. A flag has the value true, or false where its other name was given, as --no-rehearsal.
 inline std::optional<std::string> value_on_command_line(const CLI::App& app, int argc,
                                                         const char* const* argv,
                                                         const std::string& name) {
@@ -142,10 +148,36 @@ inline std::optional<std::string> value_on_command_line(const CLI::App& app, int
   return value;
 }
 
+/// Throws std::invalid_argument for a variable that sets an option of `app` to nothing.
+inline void refuse_empty_variables(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    const std::string& name = option->get_envname();
+    const char* const value = name.empty() ? nullptr : std::getenv(name.c_str());
+    if (value != nullptr && *value == '\0')
+      throw std::invalid_argument(name + " is empty; unset it, or give it a value");
+  }
+}
+
+/// Throws std::invalid_argument for a variable of an option with another spelling now.
+inline void refuse_renamed_variables(const Variables& variables) {
+  const std::string own = in_capitals("FELTWIRE_", variables.program) + "_";
+  for (const RenamedOption& option : variables.renamed) {
+    const std::size_t equals = option.old.find('=');
+    const std::string name = in_capitals(own, option.old.substr(0, equals));
+    const char* const value = std::getenv(name.c_str());
+    if (value == nullptr) continue;
+    if (equals == std::string::npos)
+      refuse_renamed(variables.renamed, option.old, name);
+    else if (option.old.substr(equals + 1) == value)
+      refuse_renamed(variables.renamed, option.old, name + "=" + value);
+  }
+}
+
 /// Throws std::invalid_argument for a variable of this program that is a misspelled option of `app`
 /// (FELTWIRE_SERVER_PROT), and for one that is spelled as before programs had their own
-/// (FELTWIRE_PORT), or is the variable of an option with another spelling now.
+/// (FELTWIRE_PORT), is empty, or is the variable of an option with another spelling now.
 inline void check_variables(const CLI::App& app, const Variables& variables) {
+  refuse_empty_variables(app);
   if (variables.program.empty()) return;
   std::vector<std::string> known;  // without what all names begin with
   for (const CLI::Option* option : app.get_options()) {
@@ -157,10 +189,8 @@ inline void check_variables(const CLI::App& app, const Variables& variables) {
       throw std::invalid_argument(old + " is " + now +
                                   " now, since each program has variables of its own; rename it");
   }
+  refuse_renamed_variables(variables);
   const std::string own = in_capitals("FELTWIRE_", variables.program) + "_";
-  for (const RenamedOption& option : variables.renamed)
-    if (const std::string name = in_capitals(own, option.old); std::getenv(name.c_str()) != nullptr)
-      refuse_renamed(variables.renamed, option.old, name);
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string_view text(*entry);
     const std::string name(text.substr(0, text.find('=')));

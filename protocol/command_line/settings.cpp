@@ -9,6 +9,8 @@
 namespace feltwire {
 namespace {
 
+constexpr auto kNothing = "there is nothing between two commas, or behind the last; remove a comma";
+
 std::vector<std::string> names_of(const CLI::App& keys) {
   std::vector<std::string> names;
   for (const CLI::Option* option : keys.get_options())
@@ -16,63 +18,98 @@ std::vector<std::string> names_of(const CLI::App& keys) {
   return names;
 }
 
-[[noreturn]] void refuse_setting(std::string_view name, const std::vector<std::string>& known) {
-  const std::string meant = nearest(name, known);
-  throw std::invalid_argument(
-      std::string(name) + " is no setting" +
-      (meant.empty() ? "; --help-all lists them" : "; did you mean " + meant + "?"));
+[[noreturn]] void refuse(std::string_view option, const std::string& what) {
+  throw std::invalid_argument(std::string(option) + ": " + what);
+}
+
+/// Throws if a setting is given twice, or has not as many numbers as it needs.
+void require_counts(const CLI::App& keys, const std::vector<std::string>& settings,
+                    std::string_view option) {
+  std::vector<std::string> given;
+  for (const std::string& setting : settings) {
+    const std::string name = setting.substr(0, setting.find('='));
+    if (setting.size() == name.size() + 1)
+      refuse(option, setting + " has no value; write it behind the =");
+    if (std::ranges::count(given, name) > 0)
+      refuse(option, name + " is given twice; write it once");
+    given.push_back(name);
+    const CLI::Option* key = keys.get_option("--" + name);
+    const auto has = std::ranges::count(setting, ',') + 1,
+               needs = key->get_items_expected_min() + 0L;
+    const bool number = !key->get_type_name().starts_with("TEXT");
+    if (number && key->get_items_expected_max() == needs && has != needs)
+      refuse(option, name + " has " + std::to_string(has) + (has == 1 ? " value" : " values") +
+                         "; write " + std::to_string(needs) +
+                         (needs == 1 ? "" : ", with commas between them"));
+  }
 }
 
 }  // namespace
 
-SettingsText split_settings(std::string_view text, const CLI::App& keys) {
+SettingsText split_settings(std::string_view text, const CLI::App& keys, SettingsBegin begins,
+                            std::string_view option) {
   const std::vector<std::string> known = names_of(keys);
   SettingsText found;
+  bool after_empty = false;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
     const std::string part(text.substr(begin, end - begin));
-    const std::size_t equals = part.find('=');
-    const bool named = equals != std::string::npos;
-    if (named && std::ranges::count(known, part.substr(0, equals)) > 0)
+    const std::string name = part.substr(0, part.find('='));
+    const bool named = name.size() < part.size();
+    const bool setting = named && std::ranges::count(known, name) > 0;
+    const bool first = found.settings.empty();
+    if ((setting && after_empty) || (part.empty() && !first)) refuse(option, kNothing);
+    const std::string meant = named && !setting ? nearest(name, known) : std::string();
+    if (setting)
       found.settings.push_back(part);
-    else if (found.settings.empty())
-      found.begin += (begin == 0 ? "" : ",") + part;
-    else if (named)
-      refuse_setting(part.substr(0, equals), known);
+    else if (named && (!first || begins == SettingsBegin::name || !meant.empty()))
+      refuse(option,
+             name + " is no setting" +
+                 (meant.empty() ? "; --help-all lists them" : "; did you mean " + meant + "?"));
     else
-      found.settings.back() += "," + part;
+      (first ? found.begin : found.settings.back()) += (begin == 0 ? "" : ",") + part;
+    after_empty = part.empty();
     begin = end + 1;
   }
+  if (after_empty && !text.empty() && begins == SettingsBegin::name) refuse(option, kNothing);
   return found;
+}
+
+std::optional<std::string_view> setting_in(std::string_view text, std::string_view name) {
+  while (!text.empty()) {
+    const std::string_view part = text.substr(0, text.find(','));
+    if (part.starts_with(name) && part.substr(name.size()).starts_with('='))
+      return part.substr(name.size() + 1);
+    text.remove_prefix(std::min(part.size() + 1, text.size()));
+  }
+  return {};
 }
 
 void read_settings(CLI::App& keys, const std::vector<std::string>& settings,
                    std::string_view option) {
+  require_counts(keys, settings, option);
   std::vector<std::string> words;
-  for (const std::string& setting : settings) {
-    if (setting.ends_with('='))
-      throw std::invalid_argument(std::string(option) + ": " + setting +
-                                  " has no value; write it behind the =");
-    words.push_back("--" + setting);
-  }
+  words.reserve(settings.size());
+  for (const std::string& setting : settings) words.push_back("--" + setting);
   try {
     parse_words(keys, words);
   } catch (const CLI::ParseError& error) {
     std::string said = error.what() + advice(error, keys);
     for (const std::string& name : names_of(keys))
       if (const std::size_t at = said.find("--" + name); at != std::string::npos) said.erase(at, 2);
-    throw std::invalid_argument(std::string(option) + ": " + said);
+    refuse(option, said);
   }
 }
 
 std::string settings_help(const CLI::App& keys) {
+  constexpr std::size_t kColumn = 30;  // of the descriptions, as CLI11 formats them
   std::string text = CLI::Formatter().make_groups(&keys, CLI::AppFormatMode::All);
   const std::string dashes = "\n  --";
   for (std::size_t at = text.find(dashes); at != std::string::npos; at = text.find(dashes, at)) {
     text.erase(at + 3, 2);
     // The descriptions keep their column.
-    const std::size_t end = text.find("  ", at + 3);
-    if (end < text.find('\n', at + 1)) text.insert(end, 2, ' ');
+    const std::size_t column = at + 1 + kColumn - 2;
+    if (column < text.find('\n', at + 1) && text[column - 1] == ' ') text.insert(column, 2, ' ');
     ++at;
   }
   return text;

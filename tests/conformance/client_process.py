@@ -11,8 +11,8 @@ from checks import TIMED_OUT, Failure
 
 MODEL = Path(__file__).resolve().parent / "model_client.py"
 # The law `none` holds what the server commands, so that what a reply does is seen in the samples behind it.
-HAND = ("--mode", "none", "--no-local-model", "--no-rehearsal", "--ramp-up", "0", "--velocity-limit", "inf",
-        "--await-still", "0", "--flight-recorder", "off")
+HAND = ("--mode", "none", "--local-model", "off", "--no-rehearsal", "--ramp-up", "0", "--velocity-limit", "inf",
+        "--flight-recorder", "off")
 RATE = 200  # [Hz] of the servo, so that a server in Python answers each sample
 
 
@@ -29,7 +29,7 @@ class Client:
         file.write_text(server.token("operator") + "\n", encoding="utf-8")
         file.chmod(0o600)
         words += ["--connect", f"127.0.0.1:{server.port}", "--scene", server.scene, "--token-file", file, "--duration", duration, "--rate", rate,
-                  "--hold-time", hold, "--reconnect", reconnect, "--wait-for-small-force", wait, "--device", f"simulated:path={path},depth=0", *HAND, *options]
+                  "--hold-time", hold, "--reconnect", reconnect, "--wait-for-small-force", wait, "--device", f"simulated:path={path},depth=0,await_still=0", *HAND, *options]
         if "--fingerprint" not in options:
             words += ["--fingerprint", server.fingerprint]
         environment = {key: value for key, value in os.environ.items() if not key.startswith("FELTWIRE_")}

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/device/device_spec.hpp"
 #include "tests/devices/hapi_stand_in.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -49,6 +50,13 @@ struct DevicesCommand : ::testing::Test {
   std::string home = std::getenv("HOME") != nullptr ? std::getenv("HOME") : "/";
   test::TemporaryFolder folder;
 };
+
+TEST_F(DevicesCommand, PrintsTheBuiltInSpecificationsWithTheirSources) {
+  const Outcome told = test::Program(FELTWIRE_CLIENT_PROGRAM, {"devices", "--specs"}).finish();
+  EXPECT_EQ(told.status, 0) << told.error;
+  for (const DeviceSpec& spec : builtin_devices()) EXPECT_THAT(told.out, HasSubstr(spec.name));
+  EXPECT_THAT(told.out, HasSubstr("assumption, small on purpose"));
+}
 
 TEST_F(DevicesCommand, NamesEachLibraryWithItsVersion) {
   look_in(FELTWIRE_FDSDK, FELTWIRE_OH_SDK, FELTWIRE_USB);

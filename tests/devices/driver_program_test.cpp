@@ -45,7 +45,7 @@ struct StandIn {
 
 /// The top of the table is at z = -0.05. A hand taps along the z axis of its device.
 const std::string kOnTheTable = "map_translate=0,0,-0.05";
-const Words kTrueMass = {"--damping", "0.5", "--mass", "0.1"};
+const std::string kTrueMass = ",damping=0.5,mass=0.1";
 
 Words operator+(Words a, const Words& b) {
   a.insert(a.end(), b.begin(), b.end());
@@ -100,7 +100,9 @@ StandIn open_haptics(const test::TemporaryFolder& folder) {
   return loaded(folder, "openhaptics", {"--spec", true_spec(folder)}, 1.25e-3);
 }
 StandIn falcon(const test::TemporaryFolder& folder) {
-  return loaded(folder, "falcon", kTrueMass, 0.05);
+  StandIn all = loaded(folder, "falcon", {}, 0.05);
+  all.device += kTrueMass;
+  return all;
 }
 StandIn plugin(const test::TemporaryFolder& folder) {
   return loaded(folder, "plugin:" FELTWIRE_PLUGIN_STAND_IN, {}, 1e-3);
@@ -108,11 +110,10 @@ StandIn plugin(const test::TemporaryFolder& folder) {
 
 /// Returns the substitute of a board or a service in this program.
 template <class Stand>
-StandIn standing(std::shared_ptr<Stand> stand, const std::string& device, Words options,
-                 std::atomic<int>& ticks) {
+StandIn standing(std::shared_ptr<Stand> stand, const std::string& device, std::atomic<int>& ticks) {
   stand->mass.waits = kStill;
-  return {.device = device,
-          .options = kTrueMass + std::move(options),
+  return {.device = device + kTrueMass,
+          .options = {},
           .made = [stand] { return stand->stop(), stand->mass.most_made; },
           .force = [stand] { return stand->force.load(); },
           .largest_force = [stand] { return stand->stop(), stand->mass.largest_force; },
@@ -124,16 +125,15 @@ StandIn standing(std::shared_ptr<Stand> stand, const std::string& device, Words 
 template <HaplyService::Json json>
 StandIn haply(const test::TemporaryFolder&) {
   const auto service = std::make_shared<HaplyService>(json);
-  return standing(service, "haply:@" + std::to_string(service->port()) + "," + kOnTheTable, {},
+  return standing(service, "haply:@" + std::to_string(service->port()) + "," + kOnTheTable,
                   service->commands);
 }
 
 /// The board taps along its y axis, which is the x axis of the driver.
 StandIn hapi(const test::TemporaryFolder&) {
   const auto board = std::make_shared<HapiBoard>();
-  StandIn all = standing(board, "", {}, board->frames);
-  all.device = "hapi:" + board->port() + "," + kOnTheTable + ",map_rotate=0,-90,0";
-  return all;
+  return standing(board, "hapi:" + board->port() + "," + kOnTheTable + ",map_rotate=0,-90,0",
+                  board->frames);
 }
 
 /// The server and the room of the demo.
@@ -149,7 +149,7 @@ struct Room {
   Words client(const std::string& device, const Words& options, const std::string& report) const {
     return Words{"--connect", "127.0.0.1:" + std::to_string(port), "--token-file",
                  folder / "state/local.token", "--fingerprint-file", folder / "state/fingerprint",
-                 "--scene", "room", "--device", device, "--await-still", "0.1",
+                 "--scene", "room", "--device", device + ",await_still=0.1",
                  // On a busy machine ticks are late, which is no fault here.
                  "--hold-time", "1", "--report", report} +
            options;
@@ -238,8 +238,9 @@ TEST(FalconPrograms, EachHasTheOneOfItsNumber) {
   std::array<std::unique_ptr<Program>, 2> clients;
   const auto client_of = [&](int number, const std::string& report) {
     return std::make_unique<Program>(
-        FELTWIRE_CLIENT_PROGRAM, room.client("falcon:" + std::to_string(number) + "," + kOnTheTable,
-                                             kTrueMass, room.folder / report));
+        FELTWIRE_CLIENT_PROGRAM,
+        room.client("falcon:" + std::to_string(number) + "," + kOnTheTable + kTrueMass, {},
+                    room.folder / report));
   };
   for (const int n : {0, 1}) {
     const std::string name = std::to_string(n);

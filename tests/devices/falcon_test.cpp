@@ -131,7 +131,7 @@ TEST_F(Falcon, WhatIsMissingIsSaid) {
 
 TEST_F(Falcon, ItsFirmwareIsLoadedFromTheUsersFile) {
   stand_in->loaded = false;
-  EXPECT_THAT(refusal(), HasSubstr("--firmware FILE"));
+  EXPECT_THAT(refusal(), HasSubstr("--device falcon:firmware=FILE"));
   EXPECT_EQ(stand_in->loads, 0);
   stand_in->hello_misses = 3;
   stand_in->wrong_echoes = 2;  // Two loads fail.

@@ -191,7 +191,7 @@ TEST(ProtectedDevice, TheToolIsAPartOfTheDevicesForceAndOfTheHands) {
   plane.translation_dof = 2;
   EXPECT_THAT(refusal(plane, {.tool_weight = 0.1}), HasSubstr("no force along z"));
   EXPECT_THAT(refusal(plain, {.emergency_button = 33}), HasSubstr("emergency_button of --device"));
-  EXPECT_THAT(refusal(plain, {.still = -1.0}), HasSubstr("--await-still"));
+  EXPECT_THAT(refusal(plain, {.still = -1.0}), HasSubstr("await_still"));
   EXPECT_THAT(refusal(plain, {.deadman_button = 33}), HasSubstr("deadman_button of --device"));
   EXPECT_THAT(refusal(plain, {.clutch_button = -1}), HasSubstr("clutch_button of --device"));
 }

@@ -49,7 +49,7 @@ struct Law {
 const Law kLaws[] = {{"shaped", {}, kSessionMethod},
                      {"contact_frame", {"--mode", "contact_frame"}, "contact_frame"},
                      {"at_the_server",
-                      {"--mode", "contact_frame", "--bounding", "server"},
+                      {"--mode", "contact_frame,side=server"},
                       "contact_frame",
                       BoundingSide::server}};
 
@@ -79,9 +79,7 @@ struct Floor {
               "--scene",
               "floor",
               "--device",
-              "plugin:" FELTWIRE_PLUGIN_STAND_IN,
-              "--await-still",
-              "0.1",
+              "plugin:" FELTWIRE_PLUGIN_STAND_IN ",await_still=0.1",
               "--report",
               folder / "report.json"};
     all.insert(all.end(), options.begin(), options.end());

@@ -43,17 +43,10 @@ struct TwoDevices : ::testing::Test {
     return std::make_unique<Program>(
         FELTWIRE_CLIENT_PROGRAM,
         std::vector<std::string>{
-            "--connect",     "127.0.0.1:" + std::to_string(server->control_port()),
-            "--token-file",  folder / "token",
-            "--fingerprint", to_string(server->fingerprint()),
-            "--scene",       "wall",
-            "--device",      "hapi:" + port,
-            "--damping",     "0.5",
-            "--mass",        "0.1",
-            "--duration",    "300",
-            "--await-still", "0.1",
-            "--hold-time",   "1",
-            "--report",      folder / (name + ".json")});
+            "--connect", "127.0.0.1:" + std::to_string(server->control_port()), "--token-file",
+            folder / "token", "--fingerprint", to_string(server->fingerprint()), "--scene", "wall",
+            "--device", "hapi:" + port + ",damping=0.5,mass=0.1,await_still=0.1", "--duration",
+            "300", "--hold-time", "1", "--report", folder / (name + ".json")});
   }
 
   testing::TemporaryFolder folder;
@@ -102,10 +95,27 @@ TEST_F(TwoDevices, ABoardThatIsInUseIsRefused) {
 
 TEST_F(TwoDevices, IdentifyTakesNoFirmwareForABoard) {
   Program identify(FELTWIRE_CLIENT_PROGRAM,
-                   {"identify", "--device", "hapi:/dev/none", "--firmware", "image.bin"});
+                   {"identify", "--device", "hapi:/dev/none,firmware=image.bin"});
   const Outcome outcome = identify.finish();
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_THAT(outcome.error, ::testing::HasSubstr("--firmware is for --device falcon"));
+  EXPECT_THAT(outcome.error, ::testing::HasSubstr("firmware of --device is for falcon"));
+}
+
+/// A command that runs no session uses no setting but the plant and the firmware.
+TEST_F(TwoDevices, IdentifyAndDevicesNameTheSettingThatTheyDoNotUse) {
+  const auto refused = [](const std::vector<std::string>& words) {
+    const Outcome outcome = Program(FELTWIRE_CLIENT_PROGRAM, words).finish();
+    EXPECT_EQ(outcome.status, 2);
+    return outcome.error;
+  };
+  EXPECT_THAT(refused({"identify", "--device", "hapi:/dev/none,map_scale=2"}),
+              ::testing::HasSubstr("map_scale has no effect in this command; leave it out"));
+  EXPECT_THAT(refused({"devices", "--rate", "hapi:/dev/none,map_scale=2"}),
+              ::testing::HasSubstr("map_scale has no effect in this command; leave it out"));
+  EXPECT_THAT(refused({"identify", "--device", "falcon", "--firmware", "image.bin"}),
+              ::testing::HasSubstr("--firmware is an old spelling; write --device falcon:"));
+  EXPECT_THAT(refused({"devices", "--rate", "falcon", "--firmware", "image.bin"}),
+              ::testing::HasSubstr("--firmware is an old spelling; write --rate falcon:"));
 }
 
 }  // namespace

@@ -143,7 +143,7 @@ def check_program(programs, words, built_on_page, quoted):
     if not any("..." in word for word in words):
         required = set(re.findall(r"(?m)^\s+(--[a-z][\w-]*) [^\n]*\bREQUIRED\b", text))
         given = {word.split("=")[0] for word in words}
-        ends = given & {"--help", "--version", "--list-specs"}
+        ends = given & {"--help", "--version"}
         # A sentence may name one option of a command. Where it names one that is required, it means the whole command.
         if not ends and (required & given or not quoted):
             for option in sorted(required - given):

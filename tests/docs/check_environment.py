@@ -6,7 +6,7 @@ port that it is told, or a file is missing. With all others of the group in the 
 feltwire-client are in tests/client/app/rival_options_test.cpp.
 
 Each program has variables of its own. A misspelled one, and one with the name of before, ends it with the right name. An option that ends the
-program has no variable: FELTWIRE_VERSION in a container's environment would end every program.
+program has no variable: FELTWIRE_VERSION in a container's environment would end every program. An empty variable is refused. No error shows a token.
 
 usage: check_environment.py BIN_FOLDER SOURCE_FOLDER
 """
@@ -17,6 +17,9 @@ import socket
 import subprocess
 import sys
 import tempfile
+
+
+SECRET = "fw_0123456789ab_no_such_token"
 
 
 def run(command, environment, home):
@@ -80,7 +83,7 @@ def main():
                 status, said = run(command, both, folder)
                 if status == 0 or "FELTWIRE_CA" not in said:
                     wrong.append(f"{words[0]}: two ways to trust in the environment: {status} {said}")
-        ending = {variable(option): "true" for option in ("--version", "--help", "--list", "--check", "--list-specs", "--health", "--explain")}
+        ending = {variable(option): "true" for option in ("--version", "--help", "--list", "--check", "--health", "--explain")}
         # Program: another one, an option, and the same misspelled.
         programs_of = {"feltwire-client": ("feltwire-server", "--duration", "--duratoin"),
                        "feltwire-follower": ("feltwire-client", "--duration", "--duratoin"),
@@ -95,6 +98,17 @@ def main():
                 status, said = run([programs / program], {name: "1"}, folder)
                 if status == 0 or name not in said or variable(option, program) not in said:
                     wrong.append(f"{program} with {name}: {status} {said}")
+            status, said = run([programs / program], {variable(option, program): ""}, folder)
+            if status == 0 or f"{variable(option, program)} is empty" not in said:
+                wrong.append(f"{program} with an empty {variable(option, program)}: {status} {said}")
+            status, said = run([programs / program, option, SECRET], {}, folder)
+            if status == 0 or SECRET in said or "fw_..." not in said:
+                wrong.append(f"{program} {option} with a token: {status} {said}")
+        for words in (["feltwire-client", "admin"], ["feltwire-client", "devices"], ["feltwire-client", "identify", "--device"], ["feltwire-lab"],
+                      ["feltwire-server"], ["feltwire-server", "token", "list"], ["feltwire-bundle", folder / "a.tar.gz", "--lines"]):
+            status, said = run([programs / words[0], *words[1:], SECRET], {}, folder)
+            if status == 0 or SECRET in said or "fw_..." not in said:
+                wrong.append(f"{' '.join(map(str, words))} with a token: {status} {said}")
     print("\n".join(wrong + [f"{pairs} pairs, {len(wrong)} wrong"]))
     return 1 if wrong or pairs < 50 else 0
 

@@ -166,7 +166,7 @@ class Marks:
                 kind, what = mark.groups()
                 before = line[:mark.start()]
                 if kind == "default":
-                    program, option, value = re.match(r"(.*) (--\S+) (\S+)$", what).groups()
+                    program, option, value = re.match(r"(.*) (\S+) (\S+)$", what).groups()
                     yield from ((number, wrong) for wrong in [self.wrong_default(program, option, value, before)] if wrong)
                 elif before.strip() or spans(lines[number - 2])[-1:] and lines[number - 2].rstrip().endswith("`"):
                     quoted = (spans(before) or spans(lines[number - 2]))[-1:] or ["nothing between backticks"]

@@ -44,7 +44,7 @@ class AsyncHands(unittest.IsolatedAsyncioTestCase):
                 self.assertGreater(force, 0.2)
 
     async def test_a_program_moves_a_hand(self):
-        async with self.join(device="caller", stale_after=0.2, hold_time=1, await_still=0) as hand:
+        async with self.join(device="caller:await_still=0", stale_after=0.2, hold_time=1) as hand:
             start, normal = hand.session.start_position, hand.session.start_normal
 
             async def touch():

@@ -68,7 +68,7 @@ class Followers(unittest.TestCase):
             return None
 
     def lead(self):
-        return self.server.join(device="caller", lead=0.2, await_still=0, stale_after=0.2, hold_time=1, **PATIENT)
+        return self.server.join(device="caller:await_still=0", lead=0.2, stale_after=0.2, hold_time=1, **PATIENT)
 
     def engage(self, hand, height):
         """Shows a released switch, then presses it."""

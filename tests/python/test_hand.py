@@ -32,7 +32,7 @@ class Hands(unittest.TestCase):
         self.assertGreater(max(forces), 0.3)
 
     def test_a_program_moves_a_hand(self):
-        with self.server.join(device="caller", stale_after=0.2, hold_time=1, await_still=0, **PATIENT) as hand:
+        with self.server.join(device="caller:await_still=0", stale_after=0.2, hold_time=1, **PATIENT) as hand:
             start, normal = hand.session.start_position, hand.session.start_normal
             eventually("a tick", hand.latest)
             self.assertIn("must be homed first", hand.why_no_force())
@@ -105,8 +105,8 @@ class Hands(unittest.TestCase):
 
     def test_words_of_options(self):
         from feltwire.hand import _words
-        self.assertEqual(_words({"center": (0, 0.1, 2), "local_model": False, "rehearse": True, "record": None, "max_force": 3}),
-                         ["--center", "0,0.1,2", "--no-local-model", "--rehearse", "--max-force", "3"])
+        self.assertEqual(_words({"center": (0, 0.1, 2), "rehearsal": False, "rehearse": True, "record": None, "max_force": 3}),
+                         ["--center", "0,0.1,2", "--no-rehearsal", "--rehearse", "--max-force", "3"])
 
     def test_errors_are_exceptions_with_the_text(self):
         with self.assertRaisesRegex(feltwire.Refused, "no_such_scene"):
@@ -122,7 +122,7 @@ class Hands(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "closed"):
                 call()
         with self.assertRaisesRegex(ValueError, "feltwire-client only"):
-            self.server.join(list_specs=True)
+            self.server.join(check=True)
         with self.assertRaisesRegex(FileNotFoundError, "no scene no_such_name"):
             feltwire.serve("no_such_name")
         with self.assertRaisesRegex(ValueError, "duration must be a number"):

@@ -25,7 +25,7 @@ SESSIONS = {
     "mesh": ("bunny", ["--device", "simulated:path=slide", "--duration", "1"]),
     "bodies": ("workshop", PRESS),
     "tool": ("body", PRESS),
-    "deadbands": ("plane", [*PRESS, "--position-deadband", "2", "--force-deadband", "5"]),
+    "deadbands": ("plane", [*PRESS, "--traffic", "position_deadband=2,force_deadband=5"]),
     "observer": ("plane", PRESS),
     "reload": ("plane", ["--device", "simulated:path=press", "--duration", "1.5"]),
     "robot": ("teleoperation/seat", ["--device", "simulated:path=taps,center=0,0,0.3", "--lead", "0.3", "--duration", "2.5"]),

@@ -57,7 +57,7 @@ struct Driver {
   std::string (*library)();
   bool held_by_person = true;   // a person's hand may hold it
   bool gives_force = true;      // false: `identify` cannot measure it
-  bool takes_firmware = false;  // --firmware FILE is for it
+  bool takes_firmware = false;  // the setting firmware=FILE is for it
   int buttons = 0;              // number of its buttons that are read (DeviceReading::buttons)
   // Which of them the driver takes for the enabling switch and for the clutch, counted from 1. 0:
   // none, or one that is not among them.

@@ -77,7 +77,8 @@ void see_to_firmware(UsbLine& line, const std::string& file) {
   if (answers(line)) return;
   if (file.empty())
     refuse(
-        "it has no firmware: it forgets it whenever its power is off. Give --firmware FILE with "
+        "it has no firmware: it forgets it whenever its power is off. Give --device "
+        "falcon:firmware=FILE with "
         "the maker's image, which comes with the maker's driver; feltwire may not bring it");
   const std::string image = read_regular_file(file, kMostFirmware);
   const std::span bytes(reinterpret_cast<const std::uint8_t*>(image.data()), image.size());

@@ -21,7 +21,7 @@ def further(options: Dict[str, Any], *fields: str) -> Dict[str, Any]:
 
 
 def words(options: Dict[str, Any], *, repeat: bool = False) -> List[str]:
-    """{"device": "haply", "local_model": False} -> ["--device", "haply", "--no-local-model"]
+    """{"device": "haply", "rehearsal": False} -> ["--device", "haply", "--no-rehearsal"]
 
     None is not given. A list is one word with commas; with `repeat` the option is repeated for each, and False is not given, as programs
     without --no- options have it. Raises ValueError for an empty list, and as word()."""

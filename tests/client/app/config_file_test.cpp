@@ -48,9 +48,8 @@ class ConfigFileOfClient : public ::testing::Test {
 TEST_F(ConfigFileOfClient, SetsNumbersTextsFlagsAndLists) {
   const ClientOptions made = options(R"({
     // a hand behind a narrow line
-    "mode": "contact_frame", "packet_rate": 100, "local_model": true, "rehearsal": false,
-    "device": "simulated:center=0,0.5,-0.25", "damping": [1, 2, 3], "trust_robot": [0.1, 5], "lead": 0.3, "busy_poll": "inf", "name": "\u00e9 \"left\"",
-    "no_account": false
+    "mode": "contact_frame,account=on", "traffic": "packet_rate=100", "local_model": "whole", "rehearsal": false,
+    "device": "simulated:center=0,0.5,-0.25,damping=1,2,3", "trust_robot": [0.1, 5], "lead": 0.3, "busy_poll": "inf", "name": "\u00e9 \"left\""
   })");
   EXPECT_EQ(made.parameters.mode, "contact_frame");
   EXPECT_EQ(made.parameters.packet_interval, 10);
@@ -104,15 +103,16 @@ TEST_F(ConfigFileOfClient, CommandLineDropsRivalsFromIt) {
   // parsed() gives --fingerprint, which excludes the other two ways to trust.
   EXPECT_TRUE(std::holds_alternative<Fingerprint>(
       options(R"({"ca": "authority.pem"})").server.credentials.trust));
-  EXPECT_EQ(options(R"({"bounding": "client", "mode": "shaped"})", {"--mode", "virtual_coupling"})
+  EXPECT_EQ(options(R"({"mode": "shaped,side=client", "local_model": "whole"})",
+                    {"--mode", "virtual_coupling"})
                 .parameters.side,
             BoundingSide::server);
   EXPECT_THAT(refused(R"({"fingerprint_file": "a"})", {"--ca", "b"}), HasSubstr("--ca"));
 }
 
-TEST_F(ConfigFileOfClient, ProfileIsOverriddenByTheOtherMembers) {
-  const ClientOptions thin = options(R"({"profile": "thin"})");
-  const ClientOptions changed = options(R"({"packet_rate": 500, "profile": "thin"})");
+TEST_F(ConfigFileOfClient, ProfileIsOverriddenByItsSettings) {
+  const ClientOptions thin = options(R"({"traffic": "thin"})");
+  const ClientOptions changed = options(R"({"traffic": "thin,packet_rate=500"})");
   EXPECT_GT(thin.parameters.packet_interval, 2);
   EXPECT_EQ(changed.parameters.packet_interval, 2);
   EXPECT_EQ(changed.parameters.position_deadband, thin.parameters.position_deadband);
@@ -129,6 +129,15 @@ TEST_F(ConfigFileOfClient, ItsFilesLieInItsFolder) {
   EXPECT_EQ(made.device.name, (folder_ / "moved.csv").string());
   EXPECT_EQ(options(R"({"device": "simulated:depth=0.02,plant=lag.json"})").device.name,
             "plant=" + (folder_ / "lag.json").string());
+  // The name of the file stands in the text before, too.
+  EXPECT_EQ(options(R"({"device": "simulated:plant=plant"})").device.name,
+            "plant=" + (folder_ / "plant").string());
+  EXPECT_EQ(options(R"({"device": "falcon:1,firmware=1"})").device.firmware,
+            (folder_ / "1").string());
+  EXPECT_EQ(options(R"({"device": "falcon:1,firmware=1"})").device.name, "1");
+  std::ofstream(folder_ / "replay") << "t,x,y,z\n0,0,0,0\n1,0,0,0\n";
+  EXPECT_EQ(options(R"({"device": "replay:replay"})").device.name, (folder_ / "replay").string());
+  EXPECT_EQ(options(R"({"device": "plugin:a.so,map_scale=2:b,c=1"})").device.name, "a.so:b,c=1");
   EXPECT_THAT(refused(R"({"spec": "none.json"})"), HasSubstr((folder_ / "none.json").string()));
 }
 
@@ -136,9 +145,9 @@ TEST_F(ConfigFileOfClient, ErrorsNameFileLineFieldAndRemedy) {
   const auto starts = [&](int line, const std::string& field) {
     return StartsWith("feltwire-client: " + path_ + ":" + std::to_string(line) + ": " + field);
   };
-  EXPECT_THAT(refused("{\n\"packet_rat\": 1}"), starts(2, "packet_rat: is no option"));
-  EXPECT_THAT(refused("{\n\"packet_rat\": 1}"), HasSubstr("did you mean packet_rate?"));
-  EXPECT_THAT(refused("{\"packet-rate\": 1}"), HasSubstr("did you mean packet_rate?"));
+  EXPECT_THAT(refused("{\n\"hold_tim\": 1}"), starts(2, "hold_tim: is no option"));
+  EXPECT_THAT(refused("{\n\"hold_tim\": 1}"), HasSubstr("did you mean hold_time?"));
+  EXPECT_THAT(refused("{\"hold-time\": 1}"), HasSubstr("did you mean hold_time?"));
   EXPECT_THAT(refused("{\n\n\"rate\": 1}"), starts(3, "rate: --rate must be from 10"));
   EXPECT_THAT(refused("{\n\"rate\": \"fast\"}"), starts(2, "rate: "));
   EXPECT_THAT(refused("{\n\"rate\": [1]}"), starts(2, "rate: has one value"));
@@ -148,7 +157,17 @@ TEST_F(ConfigFileOfClient, ErrorsNameFileLineFieldAndRemedy) {
   EXPECT_THAT(refused("{\n\"trust_robot\": [1, 2, 3]}"),
               starts(2, "trust_robot: has 3 values; write 2"));
   EXPECT_THAT(refused("{\n\"trust_robot\": [\"1,2\", 3]}"), starts(2, "trust_robot[0]: "));
-  EXPECT_THAT(refused("{\n\"local_model\": 1}"), starts(2, "local_model: is on or off"));
+  EXPECT_THAT(refused("{\n\"rehearsal\": 1}"), starts(2, "rehearsal: is on or off"));
+  EXPECT_THAT(refused("{\n\"local_model\": 1}"),
+              starts(2, "local_model: '1' is none of off, patches, whole"));
+  EXPECT_THAT(refused("{\n\"local_model\": true}"),
+              starts(2, "local_model: true is an old spelling; write --local-model whole"));
+  EXPECT_THAT(refused("{\n\"packet_rate\": 100}"),
+              starts(2, "packet_rate: is an old spelling; write --traffic packet_rate=..."));
+  EXPECT_THAT(refused("{\n\"no_account\": true}"),
+              starts(2, "no_account: is an old spelling; write --mode METHOD,account=off"));
+  EXPECT_THAT(refused("{\n\"traffic\": \"wan,packet_rate=0\"}"),
+              starts(2, "traffic: packet_rate of --traffic must be above 0"));
   EXPECT_THAT(refused("{\n\"name\": true}"), starts(2, "name: is a number or a text"));
   EXPECT_THAT(refused("{\n\"name\": \"\\ud800\"}"), starts(2, "name: has an escape"));
   EXPECT_THAT(refused("{\n\"ca\": \"a.pem\\u0000b\"}"), starts(2, "ca: has the character \\u0000"));
@@ -164,15 +183,14 @@ TEST_F(ConfigFileOfClient, ErrorsNameFileLineFieldAndRemedy) {
   EXPECT_THAT(refused("{\n\"config\": \"b.json\"}"), starts(2, "config: cannot be in a file"));
   EXPECT_THAT(refused("{\n\"list\": true}"), starts(2, "list: cannot be in a file"));
   EXPECT_THAT(refused("{\n\"help\": true}"), starts(2, "help: cannot be in a file"));
-  EXPECT_THAT(refused("{\n\"mode\": \"shaped\",\n\"bounding\": \"server\"}"),
-              HasSubstr("hand.json"));
+  EXPECT_THAT(refused("{\n\"mode\": \"shaped,side=server\"}"), HasSubstr("hand.json"));
   EXPECT_THAT(refused("[]"), HasSubstr("is no object"));
   EXPECT_THAT(refused("rate: 100"), HasSubstr("is YAML, not JSON"));
   EXPECT_THAT(refusal({"--config", "/proc/nowhere/hand.json"}),
               HasSubstr("/proc/nowhere/hand.json"));
   EXPECT_THAT(refusal({"--config"}), HasSubstr("--config"));
   // An error of the command line is none of the file.
-  EXPECT_THAT(refused("{\"batch\": 1}", {"--rate", "1"}), StartsWith("feltwire-client: --rate"));
+  EXPECT_THAT(refused("{\"robot\": 1}", {"--rate", "1"}), StartsWith("feltwire-client: --rate"));
 }
 
 TEST_F(ConfigFileOfClient, WordsOfAProgramHaveItToo) {

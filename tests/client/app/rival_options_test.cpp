@@ -71,7 +71,7 @@ std::vector<OptionList> everything() {
                                  {{"device", "hapi:/dev/ttyACM0"}},
                                  {{"device", "gamepad"}},
                                  {{"device", "plugin:./x.so"}},
-                                 {{"device", "falcon"}, {"firmware", "novint.bin"}},
+                                 {{"device", "falcon:firmware=novint.bin"}},
                                  {{"check", "true"}},
                                  {{"role", "operator"}},
                                  {{"role", "observer"}},
@@ -79,31 +79,31 @@ std::vector<OptionList> everything() {
                                  {{"lead", "0.3"}},
                                  {{"lead", "0.3"}, {"robot", "left"}},
                                  {{"lead", "0.3"}, {"trust-robot", "0.1,5"}},
-                                 {{"bounding", "client"}},
-                                 {{"bounding", "server"}},
-                                 {{"bounding", "both"}},
-                                 {{"local-model", "true"}},
-                                 {{"local-model", "false"}},
-                                 {{"whole-surfaces", "false"}},
-                                 {{"operator-damping", "1"}},
-                                 {{"no-account", "true"}, {"mode", "per_axis"}},
+                                 {{"mode", "side=client"}},
+                                 {{"mode", "side=server"}},
+                                 {{"mode", "side=both"}},
+                                 {{"mode", "per_axis,side=server,projection=joint"}},
+                                 {{"local-model", "whole"}},
+                                 {{"local-model", "patches"}},
+                                 {{"local-model", "off"}},
+                                 {{"mode", "operator_damping=1"}},
+                                 {{"mode", "per_axis,account=off"}},
                                  {{"slew", "50"}},
                                  {{"ramp-up", "0.1"}},
                                  {{"velocity-limit", "1"}},
                                  {{"max-force", "3"}},
                                  {{"wait-for-small-force", "0.1"}},
-                                 {{"await-still", "0.1"}},
                                  {{"learn-hand-force", "true"}},
-                                 {{"profile", "wan"}},
-                                 {{"packet-rate", "500"}},
-                                 {{"position-deadband", "5"}},
-                                 {{"force-deadband", "5"}},
+                                 {{"traffic", "wan"}},
+                                 {{"traffic", "packet_rate=500"}},
+                                 {{"traffic", "position_deadband=5"}},
+                                 {{"traffic", "force_deadband=5"}},
                                  {{"record", "felt.csv"}},
                                  {{"record", "felt.mcap"}, {"record-max-mib", "5"}},
                                  {{"record", "felt.mcap"}, {"record-max-seconds", "5"}},
                                  {{"report", "run.json"}},
                                  {{"spec", "omega.7"}},
-                                 {{"damping", "0.2"}},
+                                 {{"device", "simulated:damping=0.2,await_still=0.1"}},
                                  {{"link", "wifi"}},
                                  {{"changes", "none"}},
                                  {{"changes", "safe"}},
@@ -125,12 +125,16 @@ bool stays_refused(const OptionList& said, const OptionList& in_environment) {
   if (names(in_environment, {"slew", "ramp-up", "velocity-limit"})) return !names(said, {"check"});
   // Only --check may open another device than the environment names.
   if (names(in_environment, {"device"})) return !names(said, {"check"});
-  // These pairs need a third option: --local-model or --no-local-model.
+  // These pairs need a third option: --local-model.
   const auto joined = [](const OptionList& one, const OptionList& other) {
-    const bool at_server = one == OptionList{{"bounding", "server"}};
-    return (names(one, {"lead"}) && names(other, {"mode", "no-account", "profile"})) ||
-           (names(one, {"lead"}) && other == OptionList{{"bounding", "both"}}) ||
-           (at_server && names(other, {"profile"}));
+    const auto has = [](const OptionList& given, const char* part) {
+      return names(given, {"mode"}) && given.front().second.find(part) != std::string::npos;
+    };
+    // The server bounds with these, and each of the two options drops the other.
+    const bool dropped = has(other, "side=server") || has(other, "virtual_coupling") ||
+                         has(other, "passivity_control_parallel");
+    return (names(one, {"lead"}) && names(other, {"mode", "traffic"}) && !dropped) ||
+           (has(one, "side=server") && names(other, {"traffic"}));
   };
   return joined(said, in_environment) || joined(in_environment, said);
 }
@@ -188,8 +192,7 @@ TEST(RivalOptions, EachWayToTrustDropsTheOthers) {
 
 TEST(RivalOptions, AnOptionThatEndsTheProgramHasNoVariable) {
   Environment environment;
-  for (const char* option : {"version", "help", "list", "list-specs", "check"})
-    environment.set(option, "true");
+  for (const char* option : {"version", "help", "list", "check"}) environment.set(option, "true");
   const auto options = parsed({"--device", "falcon"});
   ASSERT_TRUE(std::holds_alternative<ClientOptions>(options));
   EXPECT_FALSE(std::get<ClientOptions>(options).list);

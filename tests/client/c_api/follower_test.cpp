@@ -117,11 +117,10 @@ class FollowerApi : public ::testing::Test {
   }
   /// A hand that the program moves, and that leads the robot. The thread of the test may wait.
   fw_hand* lead() const {
-    static constexpr std::array<const char*, 10> kLeading = {
-        "--flight-recorder", "off", "--let-go-after", "1",  "--hold-time", "1",
-        "--await-still",     "0",   "--lead",         "0.2"};
+    static constexpr std::array<const char*, 8> kLeading = {
+        "--flight-recorder", "off", "--let-go-after", "1", "--hold-time", "1", "--lead", "0.2"};
     fw_hand_options options = server_.hand_options();
-    options.device = "caller";
+    options.device = "caller:await_still=0";
     options.stale_after = 0.2;
     options.more = kLeading.data();
     options.more_count = static_cast<std::uint32_t>(kLeading.size());

@@ -26,11 +26,10 @@ class CApi : public ::testing::Test, protected ApiServer {
 
   /// The program is the device, and is felt at once. Its thread may wait on a busy machine.
   fw_hand_options caller_options() const {
-    static constexpr std::array<const char*, 8> kMoreOfCaller = {
-        "--flight-recorder", "off", "--let-go-after", "1",
-        "--hold-time",       "1",   "--await-still",  "0"};
+    static constexpr std::array<const char*, 6> kMoreOfCaller = {
+        "--flight-recorder", "off", "--let-go-after", "1", "--hold-time", "1"};
     fw_hand_options given = options();
-    given.device = "caller";
+    given.device = "caller:await_still=0";
     given.stale_after = 0.2;
     given.more = kMoreOfCaller.data();
     given.more_count = static_cast<std::uint32_t>(kMoreOfCaller.size());
@@ -242,7 +241,7 @@ TEST_F(CApi, WrongArgumentsAreNamed) {
   given.more_count = 2;
   EXPECT_EQ(fw_hand_open(&given, &hand), FW_ERROR_ARGUMENT);
   EXPECT_THAT(fw_last_error(), HasSubstr("--stifness"));
-  for (const char* of_the_program : {"--help", "--version", "--list-specs", "--report=a.json"}) {
+  for (const char* of_the_program : {"--help", "--version", "--check", "--report=a.json"}) {
     given = options();
     given.more = &of_the_program;
     given.more_count = 1;
@@ -254,12 +253,14 @@ TEST_F(CApi, WrongArgumentsAreNamed) {
   given.stale_after = 5.0;
   EXPECT_EQ(fw_hand_open(&given, &hand), FW_ERROR_ARGUMENT);
   EXPECT_THAT(fw_last_error(), HasSubstr("stale_after"));
-  for (const char* misspelled :
-       {"caller:map_scal=2", "caller:,map_scale=2", "caller:map_scale=2:a"}) {
+  for (const auto& [misspelled, says] :
+       {std::pair("caller:map_scal=2", "device caller: map_scal is no setting; did you mean map"),
+        std::pair("caller:,map_scale=2", "device caller: there is nothing between two commas"),
+        std::pair("caller:map_scale=2:a", "write it as caller:map_scale=2")}) {
     given = options();
     given.device = misspelled;
     EXPECT_EQ(fw_hand_open(&given, &hand), FW_ERROR_ARGUMENT) << misspelled;
-    EXPECT_THAT(fw_last_error(), HasSubstr("caller:map_scale=2"));
+    EXPECT_THAT(fw_last_error(), HasSubstr(says));
   }
   given = options();
   given.scene = "no_such_scene";

@@ -181,13 +181,13 @@ TEST_F(CApiWorld, WrongOptionsAreNamed) {
         o.more_count = kLink.size();
       },
       "--link");
-  static constexpr std::array<const char*, 2> kServer = {"--bounding", "server"};
+  static constexpr std::array<const char*, 2> kServer = {"--mode", "side=server"};
   refused(
       [](fw_world_options& o) {
         o.more = kServer.data();
         o.more_count = kServer.size();
       },
-      "--bounding");
+      "side of --mode must be client");
   static constexpr std::array<const char*, 2> kOther = {"--connect", "elsewhere:1"};
   refused(
       [](fw_world_options& o) {

@@ -221,7 +221,7 @@ TEST_F(DeviceFile, ACommandLineOverrulesNumbers) {
   EXPECT_EQ(told.spec.damping, 0.4);
   EXPECT_EQ(told.spec.least_mass, 0.2);
   EXPECT_EQ(told.spec.apparent_mass, 0.2);
-  EXPECT_EQ(told.sources.at("least_mass"), "--mass");
+  EXPECT_EQ(told.sources.at("least_mass"), "mass of --device");
   // The list must contain only the remaining assumptions.
   EXPECT_THAT(assumptions(told), ::testing::ElementsAre(HasSubstr("least_friction")));
   EXPECT_THROW(requested_spec({.name_or_file = {}, .damping = -1.0, .mass = {}}, "touch"),

@@ -24,7 +24,7 @@ def run(compose, judge):
         for model in (False, True):
             name = task + ("-model" if model else "")
             compose.client(name, to="link", networks=["hands"], duration=SECONDS,
-                           options=options + (["--local-model"] if model else []))
+                           options=options + (["--local-model", "whole"] if model else []))
             hands[name] = task
     compose.up(*hands)
     judge.expect("exit codes", compose.wait(*hands), equal=[0] * len(hands))
