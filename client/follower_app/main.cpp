@@ -8,6 +8,7 @@
 #include <exception>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 #include "client/command_line/credential_options.hpp"
@@ -18,8 +19,9 @@
 #include "client/follower_app/workspace_option.hpp"
 #include "client/followers/follower_loop.hpp"
 #include "client/run/output_files.hpp"
-#include "core/base/visible_text.hpp"
 #include "core/build_info/build_info.hpp"
+#include "protocol/command_line/command_error.hpp"
+#include "protocol/command_line/config_file.hpp"
 #include "protocol/command_line/environment.hpp"
 #include "protocol/command_line/suggestion.hpp"
 
@@ -34,7 +36,7 @@ static_assert(std::atomic<bool>::is_always_lock_free);  // needed by the signal 
 void stop(int /*signal*/) { stopped.store(true); }
 
 struct FollowerOptionValues {
-  std::string connect, link, report, record, prior;
+  std::string config, connect, link, report, record, prior;
   CredentialOptions credentials;
   RobotChoice robot;
   std::optional<std::array<double, 3>> at;
@@ -42,47 +44,11 @@ struct FollowerOptionValues {
   FollowerRun run;
 };
 
-int follow(FollowerOptionValues& values) {
-  if (values.at) values.robot.at = Vec3((*values.at)[0], (*values.at)[1], (*values.at)[2]);
-  check(values.robot);
-  if (!values.prior.empty()) values.run.options.surfaces = load_surfaces(values.prior);
-  values.run.options.workspace = workspace_of(values.workspace);
-  values.run.server = {parse_endpoint(values.connect), credentials(values.credentials)};
-  if (!values.link.empty())
-    values.run.open_port = [link = parse_link(values.link)](const Address& scene) {
-      return std::make_unique<EmulatedPort>(open_udp_port(scene), TwoWayLink(link, 0, kLinkRoom));
-    };
-  values.run.on_join = [] { std::fprintf(stderr, "feltwire-follower: has the robot's seat\n"); };
-  if (!values.report.empty()) check_writable(values.report);
-  const std::unique_ptr<Follower> robot = make_robot(values.robot, kDriverTime);
-  std::optional<FollowerRecord> record;
-  if (!values.record.empty()) {
-    record.emplace(values.record);
-    values.run.on_sample = [&record](const RobotState& said, const RobotTarget& target) {
-      record->add(said, target);
-    };
-  }
-  std::signal(SIGINT, stop);
-  std::signal(SIGTERM, stop);
-  const FollowerResult result = run_follower(*robot, values.run, stopped);
-  std::printf("%s\n", report_line(result).c_str());
-  if (!values.report.empty())
-    write_whole(values.report, report_json(robot->spec(), values.run, result));
-  if (record) record->finish();
-  return result.end == FollowerEnd::requested && !result.robot_failed() ? 0 : 1;
-}
-
-}  // namespace
-}  // namespace feltwire
-
-int main(int argc, char** argv) {
-  using namespace feltwire;
-  FollowerOptionValues values;
-  CLI::App app{
-      "feltwire-follower: lets a robot follow a hand (docs/teleoperation.md). The robot is "
-      "simulated, or another\nprogram drives it (docs/followers.md). This is not a safety-rated "
-      "system."};
+void add_options(CLI::App& app, FollowerOptionValues& values) {
   app.set_version_flag("--version", [] { return build_info("feltwire-follower"); });
+  app.add_option("--config", values.config,
+                 "FILE.json with options: {\"leash\": 5, \"workspace\": [0,0,0,1,1,1]}. The "
+                 "command line and the environment override it (docs/teleoperation.md)");
   app.add_option("--connect", values.connect,
                  "HOST:PORT of the server's control port; IPv6 as [::1]:PORT")
       ->required();
@@ -127,7 +93,8 @@ int main(int argc, char** argv) {
          "X,Y,Z,HX,HY,HZ,R [m] Body that the robot's target avoids, in addition to the bodies of "
          "the seat. The body is a box with centre X,Y,Z and half extents HX,HY,HZ, enlarged by R. "
          "0,0,0 as half extents: a ball. Repeat the option for up to 8 bodies")
-      ->allow_extra_args(false);
+      ->allow_extra_args(false)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--lock", values.workspace.lock,
                  "Axes that stay constant while a hand is engaged, in addition to the locked axes "
                  "of the seat: any of x,y,z,rotation")
@@ -145,22 +112,80 @@ int main(int argc, char** argv) {
   app.add_option("--link", values.link,
                  "Emulated network, in the syntax of feltwire-client --link");
   add_credential_options(app, values.credentials);
+}
+
+/// Prints an error of the command line or of the configuration file. Returns the exit status.
+int refuse(const std::string& what, int status) {
+  std::fprintf(stderr, "feltwire-follower: %s\n", printable_error(what).c_str());
+  return status;
+}
+
+int follow(FollowerOptionValues& values) {
+  if (values.at) values.robot.at = Vec3((*values.at)[0], (*values.at)[1], (*values.at)[2]);
+  check(values.robot);
+  if (!values.prior.empty()) values.run.options.surfaces = load_surfaces(values.prior);
+  values.run.options.workspace = workspace_of(values.workspace);
+  values.run.server = {parse_endpoint(values.connect), credentials(values.credentials)};
+  if (!values.link.empty())
+    values.run.open_port = [link = parse_link(values.link)](const Address& scene) {
+      return std::make_unique<EmulatedPort>(open_udp_port(scene), TwoWayLink(link, 0, kLinkRoom));
+    };
+  values.run.on_join = [] { std::fprintf(stderr, "feltwire-follower: has the robot's seat\n"); };
+  if (!values.report.empty()) check_writable(values.report);
+  const std::unique_ptr<Follower> robot = make_robot(values.robot, kDriverTime);
+  std::optional<FollowerRecord> record;
+  if (!values.record.empty()) {
+    record.emplace(values.record);
+    values.run.on_sample = [&record](const RobotState& said, const RobotTarget& target) {
+      record->add(said, target);
+    };
+  }
+  std::signal(SIGINT, stop);
+  std::signal(SIGTERM, stop);
+  const FollowerResult result = run_follower(*robot, values.run, stopped);
+  std::printf("%s\n", report_line(result).c_str());
+  if (!values.report.empty())
+    write_whole(values.report, report_json(robot->spec(), values.run, result));
+  if (record) record->finish();
+  return result.end == FollowerEnd::requested && !result.robot_failed() ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace feltwire
+
+int main(int argc, char** argv) {
+  using namespace feltwire;
+  FollowerOptionValues values;
+  CLI::App app{
+      "feltwire-follower: lets a robot follow a hand (docs/teleoperation.md). The robot is "
+      "simulated, or another\nprogram drives it (docs/followers.md). This is not a safety-rated "
+      "system."};
+  add_options(app, values);
   Rivals rivals = exclusive({"surroundings", "arm", "socket"});
   rivals.push_back({"socket", "at"});  // --at sets the position of simulated robots only
   for (const Rival& rival : credential_rivals()) rivals.push_back(rival);
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
-    return "feltwire-follower: " + visible(error.what() + advice(error, *failed)) +
+    return "feltwire-follower: " + printable_error(error.what() + advice(error, *failed)) +
            "; see --help\n";
   });
+  ConfigFile config;
   try {
     read_environment(app, argc, argv, {.program = "follower", .shared = credential_variables()},
                      rivals);
-    app.parse(argc, argv);
+    config = given_config(
+        app, argc, argv, {},
+        files_in_folder({"arm", "ca", "certificate", "fingerprint-file", "key", "prior", "record",
+                         "report", "socket", "surroundings", "token-file"}),
+        {}, true);
+    parse_words(app, words_with_config(app, argc, argv, config, rivals, true));
     return follow(values);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error);
+    if (error.get_exit_code() == 0 || config.entries.empty()) return app.exit(error);
+    return refuse(config.located(error.what()) + advice(error, app) + "; see --help",
+                  error.get_exit_code());
+  } catch (const std::invalid_argument& error) {
+    return refuse(config.located(error.what()), 1);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "feltwire-follower: %s\n", visible(error.what()).c_str());
-    return 1;
+    return refuse(error.what(), 1);
   }
 }

@@ -5,7 +5,9 @@
 #include <stdexcept>
 
 #include "client/command_line/credential_options.hpp"
+#include "core/base/file_error.hpp"
 #include "core/build_info/build_info.hpp"
+#include "protocol/command_line/config_file.hpp"
 #include "protocol/command_line/environment.hpp"
 #include "protocol/command_line/suggestion.hpp"
 #include "server/access/security.hpp"
@@ -68,6 +70,26 @@ void add_page(CLI::App& app, GatewayConfig& config) {
       ->group(group);
 }
 
+/// Reads the file of --config. Its files lie in its folder. Throws std::invalid_argument, as for a
+/// wrong command line.
+ConfigFile view_config(const CLI::App& app, int argc, const char* const* argv) {
+  const FileValue files =
+      files_in_folder({"ca", "certificate", "client-certificate", "client-key", "fingerprint-file",
+                       "key", "scene", "state", "token-file", "tokens"});
+  try {
+    return given_config(app, argc, argv, {}, files, {}, true);
+  } catch (const FileError& error) {
+    throw std::invalid_argument(error.what());
+  }
+}
+
+void check(const GatewayConfig& config) {
+  if (config.certificate.empty() != config.key.empty())
+    throw std::invalid_argument("--certificate and --key belong together; give both, or neither");
+  if (const auto wrong = wrong_web_name(config.web_names))
+    throw std::invalid_argument("--web-name: " + *wrong);
+}
+
 }  // namespace
 
 GatewayConfig gateway_config(int argc, char** argv) {
@@ -80,23 +102,28 @@ GatewayConfig gateway_config(int argc, char** argv) {
       "--version", [] { return build_info("feltwire-view"); },
       "Print version, commit, compiler and build type, and exit");
   GatewayConfig config;
-  std::string endpoint;
+  std::string endpoint, config_file;
   CredentialOptions words;
+  app.add_option("--config", config_file,
+                 "FILE.json with options: {\"scenes\": [\"room.json\"], \"web\": 6761}. The "
+                 "command line and the environment override it (docs/live_page.md)");
   add_page(app, config);
   add_server(app, endpoint, words);
   read_environment(app, argc, argv, {.program = "view", .shared = credential_variables("client-")},
                    credential_rivals());
+  const ConfigFile file = view_config(app, argc, argv);
   try {
-    app.parse(argc, argv);
+    parse_words(app, words_with_config(app, argc, argv, file, credential_rivals(), true));
+    check(config);
+    config.server = {parse_endpoint(endpoint), credentials(words)};
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) std::exit(app.exit(error));  // for example after --help
-    throw std::invalid_argument(error.what() + advice(error, app) + " (see --help)");
+    throw std::invalid_argument((file.entries.empty() ? error.what() : file.located(error.what())) +
+                                advice(error, app) + " (see --help)");
+  } catch (const std::invalid_argument& error) {
+    if (file.entries.empty()) throw;
+    throw std::invalid_argument(file.located(error.what()));
   }
-  if (config.certificate.empty() != config.key.empty())
-    throw std::invalid_argument("--certificate and --key belong together; give both, or neither");
-  if (const auto wrong = wrong_web_name(config.web_names))
-    throw std::invalid_argument("--web-name: " + *wrong);
-  config.server = {parse_endpoint(endpoint), credentials(words)};
   if (config.state.empty() && (config.certificate.empty() || config.tokens.empty()))
     config.state = default_state_folder() / "view";
   return config;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -113,6 +114,47 @@ TEST_F(FollowerProgram, NamesAWorkspaceThatIsNone) {
   for (int i = 0; i < 9; ++i) nine.insert(nine.end(), {"--keep-out", "-0.1,0,0,0,0,0,0.1"});
   expect_fault(nine, "--keep-out is given 9 times; give it 8 times at most");
   expect_fault(with("--lock", "x,w"), "--lock: there is no axis 'w'; give some of x, y, z");
+}
+
+TEST_F(FollowerProgram, ReadsOptionsFromAFile) {
+  const auto config = [&](const std::string& json) {
+    std::ofstream(folder_ / "robot.json") << json;
+    return std::vector<std::string>{"--config", folder_ / "robot.json"};
+  };
+  const auto line = [&](int number, const std::string& says) {
+    return (folder_ / "robot.json").string() + ":" + std::to_string(number) + ": " + says;
+  };
+  expect_fault(config(R"({"keep_outs": ["0,0,0,1,-1,0,0.1"], "surroundings": ")" +
+                      std::string(kSurroundings) + "\"}"),
+               line(1, "keep_outs: --keep-out must be seven numbers"));
+  expect_fault(config("{\n\"arm\": \"none.xml\"}"), (folder_ / "none.xml").string());
+  expect_fault(config("{\n\"leesh\": 5}"), line(2,
+                                                "leesh: is no option of this program; did you "
+                                                "mean leash?"));
+  expect_fault(config("{\n\"config\": \"a\"}"), line(2, "config: cannot be in a file"));
+  // The command line decides which robot it is.
+  std::vector<std::string> socket = config(R"({"arm": "none.xml"})");
+  socket.insert(socket.end(), {"--socket", "/proc/nowhere/driver"});
+  expect_fault(socket, "/proc/nowhere/driver");
+  // A number of the file that CLI11 cannot read.
+  const Outcome wrong = start(config("{\n\"leash\": \"strong\"}"))->finish();
+  EXPECT_NE(wrong.status, 0);
+  EXPECT_THAT(wrong.error, HasSubstr(line(2, "leash: ")));
+
+  std::vector<std::string> words =
+      config(R"({"surroundings": ")" + std::string(kSurroundings) + R"(", "name": "of the file"})");
+  const std::vector<std::string> more = {"--record", folder_ / "robot.csv", "--report",
+                                         folder_ / "report.json"};
+  words.insert(words.end(), more.begin(), more.end());
+  const auto program = start(words);
+  EXPECT_EQ(end(*program).status, 0);
+  EXPECT_EQ(nlohmann::json::parse(text_of(folder_ / "report.json"))["name"], "of the file");
+}
+
+TEST_F(FollowerProgram, ATokenIsNeverPrinted) {
+  const Outcome outcome = start({"--token=fw_0123456789ab_secret"})->finish();
+  EXPECT_NE(outcome.status, 0);
+  EXPECT_THAT(outcome.error, AllOf(HasSubstr("fw_..."), Not(HasSubstr("0123456789ab"))));
 }
 
 TEST_F(FollowerProgram, NamesTheFileThatIsNoRobot) {

@@ -320,6 +320,34 @@ TEST(GatewayProgram, SaysInOneLineWhatIsMissing) {
   EXPECT_THAT(no_name.error, HasSubstr("--web-name: 'https://lab.example'"));
 }
 
+TEST(GatewayProgram, ReadsOptionsFromAFile) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "view.json";
+  const auto refused = [&](const std::string& json, std::vector<std::string> words = {}) {
+    std::ofstream(file) << json;
+    words.insert(words.begin(), {"--config", file});
+    const test::Outcome outcome = test::Program(FELTWIRE_VIEW_PROGRAM, words).finish();
+    EXPECT_EQ(outcome.status, 2) << outcome.error;
+    return outcome.error;
+  };
+  const std::string said =
+      "\"connect\": \"localhost:1\",\n\"fingerprint\": \"" + std::string(64, 'a') + "\"";
+  // The files of the configuration lie in its folder.
+  EXPECT_THAT(refused("{" + said + ", \"scenes\": [\"a.json\"], \"token_file\": \"none\"}"),
+              HasSubstr((folder / "none").string()));
+  EXPECT_THAT(refused("{" + said + ",\n\"scenes\": [\"a.json\"], \"web_names\": [\"a b\"]}"),
+              HasSubstr(file + ":3: web_names: 'a b'"));
+  EXPECT_THAT(refused("{\n\"scene\": \"a.json\"}"),
+              HasSubstr(file + ":2: scene: is no option of this program; did you mean scenes?"));
+  EXPECT_THAT(refused("{\n\"log_level\": \"loud\"}"), HasSubstr(file + ":2: log_level: "));
+  // The command line overrides the file.
+  EXPECT_THAT(refused("{" + said + ", \"scenes\": [\"a.json\"], \"token_file\": \"none\"}",
+                      {"--token-file", "/proc/nowhere"}),
+              HasSubstr("/proc/nowhere"));
+  EXPECT_THAT(refused("{" + said + ", \"scenes\": [\"a.json\"]}", {"fw_0123456789ab_secret"}),
+              ::testing::AllOf(HasSubstr("fw_..."), ::testing::Not(HasSubstr("0123456789ab"))));
+}
+
 /// A page at the address that a program printed.
 struct PrintedSite {
   std::string url;
