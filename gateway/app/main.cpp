@@ -5,9 +5,9 @@
 #include <exception>
 #include <stdexcept>
 
-#include "core/base/visible_text.hpp"
 #include "gateway/app/gateway.hpp"
 #include "gateway/app/gateway_options.hpp"
+#include "protocol/command_line/command_error.hpp"
 #include "protocol/crypto/secret.hpp"
 #include "server/access/security.hpp"
 #include "server/app/log_format.hpp"
@@ -19,7 +19,7 @@ namespace {
 constexpr int kBadUsage = 2, kCannotRun = 1;
 
 int fail(int status, const char* what) {
-  std::fprintf(stderr, "feltwire-view: %s\n", feltwire::visible(what).c_str());
+  std::fprintf(stderr, "feltwire-view: %s\n", feltwire::printable_error(what).c_str());
   return status;
 }
 

@@ -20,6 +20,7 @@
 #include "core/base/visible_text.hpp"
 #include "core/scene/scene_cost_report.hpp"
 #include "core/scene_file/load_scene.hpp"
+#include "protocol/command_line/command_error.hpp"
 #include "protocol/crypto/secret.hpp"
 #include "server/app/demo_hands.hpp"
 #include "server/app/health.hpp"
@@ -42,7 +43,7 @@ constexpr std::chrono::milliseconds kHealthTimeout{1500};
 constexpr const char* kClient = "feltwire-client";
 
 int fail(int status, const char* what) {
-  std::fprintf(stderr, "feltwire-server: %s\n", visible(what).c_str());
+  std::fprintf(stderr, "feltwire-server: %s\n", printable_error(what).c_str());
   return status;
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/base/pending_file.hpp"
 #include "core/base/visible_text.hpp"
+#include "protocol/command_line/command_error.hpp"
 #include "protocol/command_line/suggestion.hpp"
 #include "server/access/json_text.hpp"
 #include "server/access/security.hpp"
@@ -139,13 +140,13 @@ int token_command(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
     std::fprintf(stderr, "feltwire-server token: %s (see --help)\n",
-                 visible(error.what() + advice(error, app)).c_str());
+                 printable_error(error.what() + advice(error, app)).c_str());
     return kBadUsage;
   } catch (const std::invalid_argument& error) {
-    std::fprintf(stderr, "feltwire-server token: %s\n", visible(error.what()).c_str());
+    std::fprintf(stderr, "feltwire-server token: %s\n", printable_error(error.what()).c_str());
     return kBadUsage;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "feltwire-server token: %s\n", visible(error.what()).c_str());
+    std::fprintf(stderr, "feltwire-server token: %s\n", printable_error(error.what()).c_str());
     return kCannotRun;
   }
 }

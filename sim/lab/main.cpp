@@ -17,6 +17,7 @@
 #include "core/build_info/build_info.hpp"
 #include "core/device/device_file.hpp"
 #include "core/scene_file/load_scene.hpp"
+#include "protocol/command_line/command_error.hpp"
 #include "protocol/command_line/suggestion.hpp"
 #include "protocol/net/ports.hpp"
 #include "sim/emulator/link_relay.hpp"
@@ -328,7 +329,8 @@ int main(int argc, char** argv) {
       "Print version, commit, compiler and build type, and exit");
   app.require_subcommand(1);
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
-    return "feltwire-lab: " + visible(error.what() + lab_advice(error, *failed)) + "; see --help\n";
+    return "feltwire-lab: " + printable_error(error.what() + lab_advice(error, *failed)) +
+           "; see --help\n";
   });
   int status = 0;
   add_studies(app, status);
@@ -343,7 +345,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   } catch (const std::exception& e) {
-    std::cerr << "feltwire-lab: " << visible(e.what()) << '\n';
+    std::cerr << "feltwire-lab: " << printable_error(e.what()) << '\n';
     return 1;
   }
   return status;
