@@ -101,11 +101,10 @@ def main():
             status, said = run([programs / program], {variable(option, program): ""}, folder)
             if status == 0 or f"{variable(option, program)} is empty" not in said:
                 wrong.append(f"{program} with an empty {variable(option, program)}: {status} {said}")
-            status, said = run([programs / program, option, SECRET], {}, folder)
-            if status == 0 or SECRET in said or "fw_..." not in said:
-                wrong.append(f"{program} {option} with a token: {status} {said}")
-        for words in (["feltwire-client", "admin"], ["feltwire-client", "devices"], ["feltwire-client", "identify", "--device"], ["feltwire-lab"],
-                      ["feltwire-server"], ["feltwire-server", "token", "list"], ["feltwire-bundle", folder / "a.tar.gz", "--lines"]):
+        for words in (["feltwire-client", "--duration"], ["feltwire-client", "admin", "sessions", "--connect"], ["feltwire-client", "devices"],
+                      ["feltwire-client", "identify", "--device"], ["feltwire-follower", "--duration"], ["feltwire-lab", "bound", "--period"],
+                      ["feltwire-server", "--port"], ["feltwire-server", "token", "list"], ["feltwire-view", "--log-level"],
+                      ["feltwire-bundle", folder / "a.tar.gz", "--lines"]):
             status, said = run([programs / words[0], *words[1:], SECRET], {}, folder)
             if status == 0 or SECRET in said or "fw_..." not in said:
                 wrong.append(f"{' '.join(map(str, words))} with a token: {status} {said}")
