@@ -32,9 +32,9 @@ def declared(source):
     rooms = {}
     for floor in FLOORS:
         text = (source / floor / "CMakeLists.txt").read_text(encoding="utf-8")
-        for name, body in re.findall(r"^feltwire_room\((\S+)([^)]*)\)", text, re.M):
+        for name, body in re.findall(r"^feltwire_room\(([^\s)]+)([^)]*)\)", text, re.M):
             uses = re.search(r"\bUSES((?:\s+[\w/]+)*?)(?=\s+(?:LINKS|PRIVATE|SOURCES|SCHEMAS)\b|\s*$)", body)
-            rooms[f"{floor}/{name.rstrip(')')}"] = uses.group(1).split() if uses else []
+            rooms[f"{floor}/{name}"] = uses.group(1).split() if uses else []
     return rooms
 
 
