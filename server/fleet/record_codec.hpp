@@ -1,0 +1,24 @@
+#pragma once
+// The bytes of a directory's values: FlatBuffers of fleet.fbs.
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "server/fleet/scene_record.hpp"
+
+namespace feltwire {
+
+/// Longest value that decodes. A directory is written by hosts of the fleet only, but a damaged
+/// value must not harm the reader.
+inline constexpr std::size_t kMaxRecord = 8192;  // [bytes]
+
+std::string encode(const SceneRecord& record);
+std::string encode(const HostRecord& record);
+
+/// Empty for bytes that are no such record: damaged, too long, without an owner, or with a standby
+/// that is the owner.
+std::optional<SceneRecord> decode_scene_record(std::string_view bytes);
+std::optional<HostRecord> decode_host_record(std::string_view bytes);
+
+}  // namespace feltwire

@@ -1,0 +1,138 @@
+// Tests the steps of one host, one by one. ownership_search_test.cpp tries all orders of many.
+
+#include "server/fleet/ownership.hpp"
+
+#include <gtest/gtest.h>
+
+namespace feltwire::ownership_test {
+namespace {
+
+const HostName kA{"a", 11}, kB{"b", 22}, kC{"c", 33};
+const SceneDigest kDigest{1, 2, 3};
+
+/// The ownership of host A, which has claimed the scene at revision 1.
+SceneOwnership owner() {
+  SceneOwnership scene;
+  const SceneRecord record = claim(scene, kA, kDigest);
+  EXPECT_TRUE(finish_claim(scene, record, 1));
+  return scene;
+}
+
+/// The record of A with the standby B.
+SceneRecord with_standby() {
+  SceneOwnership scene = owner();
+  reserve_standby(scene, kB);
+  return *record_to_write(scene);
+}
+
+/// The knowledge of a host that has read this record and serves nothing.
+SceneOwnership reader_of(const SceneRecord& record) {
+  SceneOwnership scene;
+  EXPECT_FALSE(see_record(scene, record, 5));
+  return scene;
+}
+
+TEST(Ownership, AHostServesWhenItsClaimIsAcknowledged) {
+  SceneOwnership scene;
+  const SceneRecord record = claim(scene, kA, kDigest);
+  EXPECT_EQ(record, (SceneRecord{kA, {{1, kA.number}, 1}, {}, kDigest}));
+  EXPECT_FALSE(scene.serving) << "before the answer";
+  EXPECT_EQ(answer_join(scene, {}), JoinAnswer::unknown);
+  EXPECT_TRUE(finish_claim(scene, record, 1));
+  EXPECT_EQ(scene.serving, (Epoch{1, kA.number}));
+  EXPECT_EQ(record_to_write(scene), std::nullopt);
+}
+
+TEST(Ownership, EachClaimHasAnEpochOfItsOwn) {
+  SceneOwnership scene;
+  const SceneRecord first = claim(scene, kA, kDigest), second = claim(scene, kA, kDigest);
+  EXPECT_GT(second.version.epoch, first.version.epoch);
+  see_epoch(scene, {7, kB.number});
+  EXPECT_EQ(claim(scene, kA, kDigest).version.epoch, (Epoch{8, kA.number}));
+}
+
+TEST(Ownership, AClaimThatIsAnsweredTooLateServesNothing) {
+  SceneOwnership scene;
+  const SceneRecord record = claim(scene, kA, kDigest);
+  see_epoch(scene, {2, kB.number});
+  EXPECT_FALSE(finish_claim(scene, record, 1));
+  EXPECT_FALSE(scene.serving);
+}
+
+TEST(Ownership, AnOwnerLetsGoAtAHigherEpochOnly) {
+  SceneOwnership scene = owner();
+  SceneRecord other{kB, {{1, kB.number}, 1}, {}, kDigest};
+  EXPECT_TRUE(see_record(scene, other, 2)) << "same term, higher number";
+  EXPECT_FALSE(scene.serving);
+  EXPECT_EQ(answer_join(scene, {}), JoinAnswer::redirected);
+
+  scene = owner();
+  other = {{"lower", 3}, {{1, 3}, 1}, {}, kDigest};
+  EXPECT_FALSE(see_record(scene, other, 2));
+  EXPECT_TRUE(scene.serving);
+  ASSERT_TRUE(record_to_write(scene)) << "the directory has a record that is not the owner's";
+  EXPECT_EQ(record_to_write(scene)->owner, kA);
+  EXPECT_EQ(scene.revision, 2u) << "and it will be written over that";
+}
+
+TEST(Ownership, AnOldRecordChangesNothing) {
+  SceneOwnership scene = owner();
+  const SceneRecord first = scene.record;
+  reserve_standby(scene, kB);
+  const SceneRecord second = *record_to_write(scene);
+  finish_write(scene, second, 2);
+  EXPECT_EQ(record_to_write(scene), std::nullopt);
+  EXPECT_FALSE(see_record(scene, first, 1)) << "delivered twice";
+  EXPECT_EQ(scene.record, second);
+  EXPECT_EQ(record_to_write(scene), second) << "if the directory has forgotten it";
+}
+
+TEST(Ownership, TheStandbyTakesOverWithoutAWrite) {
+  const SceneRecord record = with_standby();
+  SceneOwnership scene = reader_of(record);
+  EXPECT_FALSE(take_over(scene, kC)) << "it is not C's to take";
+  EXPECT_TRUE(take_over(scene, kB));
+  EXPECT_EQ(scene.serving, reserved_epoch(record));
+  EXPECT_EQ(answer_join(scene, record.version.epoch), JoinAnswer::accepted);
+  ASSERT_TRUE(record_to_write(scene)) << "the directory is told afterwards";
+  EXPECT_EQ(record_to_write(scene)->owner, kB);
+  EXPECT_EQ(record_to_write(scene)->standby.number, 0u);
+  EXPECT_EQ(scene.record.digest, kDigest);
+  EXPECT_FALSE(take_over(scene, kB)) << "it serves already";
+
+  SceneOwnership former = owner();
+  EXPECT_TRUE(see_record(former, *record_to_write(scene), 9));
+}
+
+TEST(Ownership, AStandbyThatKnowsOfALaterOwnerStays) {
+  SceneOwnership scene = reader_of(with_standby());
+  see_epoch(scene, {4, kC.number});
+  EXPECT_FALSE(take_over(scene, kB));
+  EXPECT_FALSE(scene.serving);
+  EXPECT_EQ(scene.highest, (Epoch{4, kC.number}));
+}
+
+TEST(Ownership, AStandbyThatStartedAgainIsNoStandby) {
+  SceneOwnership scene = reader_of(with_standby());
+  EXPECT_FALSE(take_over(scene, {kB.name, kB.number + 1}));
+}
+
+TEST(Ownership, AClientWithALaterEpochIsNotAccepted) {
+  const SceneOwnership scene = owner();
+  EXPECT_EQ(answer_join(scene, {}), JoinAnswer::accepted);
+  EXPECT_EQ(answer_join(scene, {1, kA.number}), JoinAnswer::accepted);
+  EXPECT_EQ(answer_join(scene, {2, kB.number}), JoinAnswer::unknown);
+  EXPECT_TRUE(scene.serving) << "a client's word takes no scene from its owner";
+}
+
+TEST(Ownership, ARedirectNeverLeadsBack) {
+  SceneOwnership scene = reader_of(with_standby());
+  EXPECT_EQ(answer_join(scene, {}), JoinAnswer::redirected);
+  EXPECT_EQ(answer_join(scene, {2, kB.number}), JoinAnswer::unknown) << "the client knows more";
+  see_epoch(scene, {2, kB.number});
+  EXPECT_EQ(answer_join(scene, {}), JoinAnswer::unknown) << "the host knows of a later owner";
+  EXPECT_EQ(answer_join(SceneOwnership{}, {}), JoinAnswer::unknown);
+}
+
+}  // namespace
+}  // namespace feltwire::ownership_test
