@@ -264,8 +264,7 @@ control::Message ControlService::list_scenes(const Token& token) const {
   for (std::size_t i = 0; i < hosts_.size(); ++i) {
     const SceneHost& host = *hosts_[i];
     if (!opens(token, host.name())) continue;
-    result.scenes.push_back(
-        {host.name(), port_offset(hosts_, i), host.objects(), host.sessions()});
+    result.scenes.push_back({host.name(), port_offset(hosts_, i), host.objects(), host.sessions()});
   }
   return result;
 }

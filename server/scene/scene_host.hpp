@@ -1,5 +1,6 @@
 #pragma once
-// A scene host has one scene, one thread and one UDP socket. It shares nothing, so it locks nothing.
+// A scene host has one scene, one thread and one UDP socket. It shares nothing, so it locks
+// nothing.
 
 #include <asio/io_context.hpp>
 #include <asio/ip/address.hpp>
