@@ -84,9 +84,9 @@ void add_serving(CLI::App& app, ServerConfig& config) {
       "PORT or ADDRESS:PORT of the counters for Prometheus (/metrics), without the live "
       "page. PORT alone serves this machine. ADDRESS:PORT also serves other machines, by "
       "HTTPS and with a token. 0: a free port. Default: none");
-  app.add_option("--log-format", config.log_format, "text, or json: one object a line")
+  app.add_option("--log-format", config.log.format, "text, or json: one object a line")
       ->capture_default_str();
-  app.add_option("--log-level", config.log_level, "trace, debug, info, warning, error or off")
+  app.add_option("--log-level", config.log.level, "trace, debug, info, warning, error or off")
       ->capture_default_str();
 }
 

@@ -137,12 +137,12 @@ Complaint complaint(const ServerConfig& c) {
   if (auto wrong = wrong_web_name(c.web_names))
     return complaint_of("--web-name", *std::move(wrong));
   if (auto wrong = recording_complaint(c)) return wrong;
-  if (find_named(kLogFormats, c.log_format) == nullptr)
+  if (find_named(kLogFormats, c.log.format) == nullptr)
     return complaint_of("--log-format",
-                        "'" + c.log_format + "' is none of " + joined_names(kLogFormats, ", "));
-  if (find_named(kLogLevels, c.log_level) == nullptr)
+                        "'" + c.log.format + "' is none of " + joined_names(kLogFormats, ", "));
+  if (find_named(kLogLevels, c.log.level) == nullptr)
     return complaint_of("--log-level",
-                        "'" + c.log_level + "' is none of " + joined_names(kLogLevels, ", "));
+                        "'" + c.log.level + "' is none of " + joined_names(kLogLevels, ", "));
   return {};
 }
 

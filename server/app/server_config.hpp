@@ -31,6 +31,11 @@ struct RecordingConfig {
   std::filesystem::path flight_folder;  // of flight records; empty: none
 };
 
+struct LogConfig {
+  std::string level = "info";
+  std::string format = "text";  // or json
+};
+
 /// SecurityOptions::address: other machines on request only.
 struct ServerConfig : SecurityOptions {
   std::vector<std::filesystem::path> scenes;  // at least one
@@ -52,8 +57,7 @@ struct ServerConfig : SecurityOptions {
   RecordingConfig recording;
   bool demo = false;  // two simulated hands in each scene (server/app/demo_hands.hpp)
   int web_hands = 4;  // sessions of role pointer: hands that viewers of the page hold, at once
-  std::string log_level = "info";
-  std::string log_format = "text";  // or json
+  LogConfig log;
 };
 
 /// Reads a configuration file, whose members are the options of add_config_options(). Missing

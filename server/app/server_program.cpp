@@ -221,7 +221,7 @@ int server_program(int argc, char** argv, const web::MakePageHands& make_page_ha
     }
     validate(config);
     if (asked.check) return check_config(config);
-    open_log("feltwire-server", config.log_level, config.log_format);
+    open_log("feltwire-server", config.log.level, config.log.format);
     // Block signals before any thread starts, so that only this thread receives them.
     const sigset_t signals = block_signals();
 

@@ -79,7 +79,7 @@ inline SampleBatch hand_batch(std::uint64_t newest, int redundancy = 0) {
 inline ServerConfig any_port() {
   ServerConfig config;
   config.port = 0;
-  config.log_level = "off";
+  config.log.level = "off";
   return config;
 }
 

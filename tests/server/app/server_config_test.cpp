@@ -38,7 +38,7 @@ TEST(Config, EveryFieldIsRead) {
   EXPECT_EQ(config.profile, "thin");
   EXPECT_EQ(config.busy_poll, 50.0);
   EXPECT_TRUE(config.real_time);
-  EXPECT_EQ(config.log_level, "debug");
+  EXPECT_EQ(config.log.level, "debug");
   EXPECT_EQ(config.dscp, "af41");
   EXPECT_EQ(config.state, "/etc/feltwire/state");
   EXPECT_EQ(config.certificate, "/etc/feltwire/c.pem");
@@ -68,7 +68,7 @@ TEST(Config, WhatIsLeftOutKeepsItsDefault) {
   EXPECT_EQ(read.profile, made.profile);
   EXPECT_EQ(read.busy_poll, 0.0);
   EXPECT_FALSE(read.real_time);
-  EXPECT_EQ(read.log_level, made.log_level);
+  EXPECT_EQ(read.log.level, made.log.level);
   EXPECT_EQ(read.dscp, made.dscp);
   EXPECT_TRUE(read.state.empty() && read.certificate.empty() && read.tokens.empty());
   EXPECT_EQ(read.max_sessions_per_client, made.max_sessions_per_client);
@@ -140,7 +140,7 @@ TEST(Config, OptionsAreNamedAsOnTheCommandLine) {
       {"--web-name", [](auto& c) { c.web_names = {"lab.example/live"}; }},
       {"--web-name", [](auto& c) { c.web_names = {"*.example"}; }},
       {"--web-name", [](auto& c) { c.web_names = {""}; }},
-      {"--log-level", [](auto& c) { c.log_level = ""; }},
+      {"--log-level", [](auto& c) { c.log.level = ""; }},
   };
   for (const auto& [option, spoil] : faults) {
     ServerConfig config;
