@@ -48,7 +48,7 @@ void add_run_options(CLI::App& app, OptionValues& values, ClientOptions& options
                  "movement). The token must allow the role")
       ->capture_default_str();
   app.add_option(
-         "--device", values.device,
+         "--device", values.device.kind,
          "KIND or KIND:NAME, and settings: KIND:KEY=VALUE,... or KIND:NAME,KEY=VALUE,... (see "
          "below). " +
              driver_choices())
@@ -66,21 +66,21 @@ void add_run_options(CLI::App& app, OptionValues& values, ClientOptions& options
   app.add_option("--duration", options.duration,
                  "[s] Length of the run. 0: run until it is stopped or the replayed recording ends")
       ->capture_default_str();
-  app.add_option("--report", values.report,
+  app.add_option("--report", values.files.report,
                  "FILE.json for the results of the run (docs/devices.md)");
-  app.add_option("--record", values.record,
+  app.add_option("--record", values.files.record,
                  "FILE.csv or FILE.mcap for a recording of every servo tick (docs/recording.md)");
-  app.add_option("--record-max-mib", values.record_limits.mebibytes,
+  app.add_option("--record-max-mib", values.files.record_limits.mebibytes,
                  "[MiB] Largest size of one file of an MCAP recording. The next files are "
                  "FILE-0001.mcap, FILE-0002.mcap");
-  app.add_option("--record-max-seconds", values.record_limits.seconds,
+  app.add_option("--record-max-seconds", values.files.record_limits.seconds,
                  "[s] Longest time in one file of an MCAP recording. Then the next file begins");
   app.add_option(
-      "--flight-recorder", values.flight_recorder,
+      "--flight-recorder", values.files.flight_recorder,
       "Folder for a recording of the last ten seconds. The client writes it after an error, a lost "
       "session, a device fault, an overdrawn energy account, and at SIGUSR1. off: write none. "
       "Default: $XDG_STATE_HOME/feltwire/flights or ~/.local/state/feltwire/flights");
-  app.add_option("--view", values.view,
+  app.add_option("--view", values.files.view,
                  "FILE.csv for the scene states that an observer receives (docs/devices.md)");
   app.add_option("--link", values.link,
                  "Emulate a network: a profile such as wifi, or numbers such as "
@@ -110,18 +110,18 @@ void add_run_options(CLI::App& app, OptionValues& values, ClientOptions& options
 void add_session_options(CLI::App& app, OptionValues& values) {
   const auto session = "Session";
   app.add_option(
-         "--spec", values.spec,
+         "--spec", values.device.spec,
          "Specification of the device: " + joined_names(builtin_devices(), "|", &DeviceSpec::name) +
              ", or FILE.json. Default: the specification from the device, else the specification "
              "of its kind")
       ->group(session);
-  app.add_option("--mode", values.mode,
+  app.add_option("--mode", values.mode.method,
                  "METHOD of the energy bound, and settings: METHOD,KEY=VALUE,... or KEY=VALUE,... "
                  "(see below). " +
                      bounding_method_choices() + ". Default: " + std::string(kSessionMethod) +
                      ". Default with side=server or side=both: " + std::string(kDefaultMethod))
       ->group(session);
-  app.add_option("--traffic", values.traffic,
+  app.add_option("--traffic", values.traffic.words,
                  "Network to the server, " + network_profile_names() +
                      ", and settings: PROFILE,KEY=VALUE,... or KEY=VALUE,... (see below; "
                      "docs/network.md, docs/lab/trade.md). The settings override the profile")
@@ -130,13 +130,13 @@ void add_session_options(CLI::App& app, OptionValues& values) {
                  "[Hz] Rate of the servo loop, unless the device sets the rate")
       ->capture_default_str()
       ->group(session);
-  app.add_option("--hold-time", values.hold_time,
+  app.add_option("--hold-time", values.limits.hold_time,
                  "[s] Age at which the force of a reply is zero. The force fades from half this "
                  "age on. At least five servo periods. Default: " +
                      short_text(SessionParameters{}.hold_time) +
                      ", or five servo periods if that is longer")
       ->group(session);
-  app.add_option("--longest-hold-time", values.longest_hold_time,
+  app.add_option("--longest-hold-time", values.limits.longest_hold_time,
                  "[s] Longest hold time that the client accepts. Servers with a profile may "
                  "lengthen the hold time. Default: --hold-time")
       ->group(session);
@@ -169,17 +169,17 @@ void add_safety_options(CLI::App& app, OptionValues& values, ClientOptions& opti
   SessionParameters unbounded;
   unbounded.mode = kUnbounded;
   app.add_option(
-         "--wait-for-small-force", values.wait_for_small_force,
+         "--wait-for-small-force", values.limits.wait_for_small_force,
          "[N] The full force starts only after the scene has commanded this force or less. Until "
          "then the hand feels only the part above the smallest force so far. inf: off. Default: " +
              short_text(usual.force.small))
       ->group(safety);
-  app.add_option("--ramp-up", values.ramp_up,
+  app.add_option("--ramp-up", values.limits.ramp_up,
                  "[s] Time from the first contact to the full force. Default: 0, or " +
                      short_text(protect_hand(unbounded).safety.ramp_up) +
                      " if the client does not bound")
       ->group(safety);
-  app.add_option("--velocity-limit", values.velocity_limit,
+  app.add_option("--velocity-limit", values.limits.velocity_limit,
                  "[m/s] The force falls above this speed, and is zero at twice this speed. inf: "
                  "off. Default: " +
                      short_text(usual.force.speed))
@@ -191,7 +191,7 @@ void add_safety_options(CLI::App& app, OptionValues& values, ClientOptions& opti
                  "[N] Largest force on the hand. The device's own limit applies if it is smaller")
       ->group(safety);
   app.add_option(
-         "--let-go-after", values.let_go_after,
+         "--let-go-after", values.limits.let_go_after,
          "[s] Release the device, until the end of the run, if the servo stalls for this time "
          "under force. At least two servo periods, at most --hold-time. Default: five servo "
          "periods; 20 without real-time scheduling; --hold-time for a device that nobody holds")

@@ -17,24 +17,26 @@ constexpr auto kSteeringGroup = "Gamepad and 3D mouse (--device gamepad:steer_sp
 
 void add_hand(CLI::App& keys, OptionValues& values, HandTask& task) {
   const auto group = kHandGroup;
-  keys.add_option("--path", values.path, "Movement of the hand: " + joined_names(kHandPathNames))
+  keys.add_option("--path", values.device.hand.path,
+                  "Movement of the hand: " + joined_names(kHandPathNames))
       ->capture_default_str()
       ->group(group);
   keys.add_option(
-          "--wrist", values.wrist,
+          "--wrist", values.device.hand.wrist,
           "Rotation of the hand, if --spec senses rotation: " + joined_names(kWristPathNames))
       ->capture_default_str()
       ->group(group);
-  keys.add_option("--wrist_angle", values.wrist_angle, "[rad] Amplitude of the rotation")
+  keys.add_option("--wrist_angle", values.device.hand.wrist_angle,
+                  "[rad] Amplitude of the rotation")
       ->capture_default_str()
       ->group(group);
-  keys.add_option("--center", values.center,
+  keys.add_option("--center", values.device.hand.center,
                   "X,Y,Z [m] Point on the surface. For orbit: centre of the circle. Default: from "
                   "the scene, else 0,0,0")
       ->delimiter(',')
       ->group(group);
   keys.add_option(
-          "--normal", values.normal,
+          "--normal", values.device.hand.normal,
           "X,Y,Z Outward normal of the surface at this point. Default: from the scene, else 0,0,1")
       ->delimiter(',')
       ->group(group);
@@ -57,25 +59,26 @@ void add_hand(CLI::App& keys, OptionValues& values, HandTask& task) {
   keys.add_option("--seed", task.seed, "Seed of the tremor's random numbers")
       ->capture_default_str()
       ->group(group);
-  keys.add_option("--press_button", values.press,
+  keys.add_option("--press_button", values.device.hand.press,
                   "[s] Time at which the hand presses button 1 for 0.1 s. The hand releases the "
                   "enabling switch from 0.5 s before until 0.5 s after")
       ->group(group);
-  keys.add_option("--plant", values.plant, "FILE.json that sets motor lag and transmission")
+  keys.add_option("--plant", values.device.hand.plant,
+                  "FILE.json that sets motor lag and transmission")
       ->group(group);
 }
 
 void add_numbers(CLI::App& keys, OptionValues& values) {
   const auto group = "Numbers and firmware of a device (--device haply:damping=0.5,mass=0.1)";
-  keys.add_option("--damping", values.damping,
+  keys.add_option("--damping", values.device.damping,
                   "B or BX,BY,BZ [N s/m] Damping of the device. Default: from the specification")
       ->delimiter(',')
       ->group(group);
-  keys.add_option("--mass", values.mass,
+  keys.add_option("--mass", values.device.mass,
                   "[kg] Lower bound of the handle's mass in every direction. Default: from the "
                   "specification")
       ->group(group);
-  keys.add_option("--firmware", values.firmware,
+  keys.add_option("--firmware", values.device.firmware,
                   "FILE with the maker's firmware. A Falcon loses its firmware when its power is "
                   "off")
       ->group(group);
@@ -83,21 +86,22 @@ void add_numbers(CLI::App& keys, OptionValues& values) {
 
 void add_mapping(CLI::App& keys, OptionValues& values) {
   const auto group = "Workspace of a device in the scene (--device haply:map_scale=3)";
-  keys.add_option("--map_scale", values.map_scale,
+  keys.add_option("--map_scale", values.device.map.scale,
                   "Displacement of the tool divided by displacement of the hand, 0.01 to 100. The "
                   "scene's force is multiplied by the same factor")
       ->capture_default_str()
       ->group(group);
-  keys.add_option("--map_rotate", values.map_rotate,
+  keys.add_option("--map_rotate", values.device.map.rotate,
                   "X,Y,Z [deg] Rotate the device's axes by this rotation vector. 0,0,90 maps the "
                   "device's x axis to the scene's y axis")
       ->delimiter(',')
       ->group(group);
-  keys.add_option("--map_translate", values.map_translate,
+  keys.add_option("--map_translate", values.device.map.translate,
                   "X,Y,Z [m] Position in the scene of the centre of the device's workspace")
       ->delimiter(',')
       ->group(group);
-  keys.add_option("--map_mirror", values.map_mirror, "Axis of the device to reverse: x, y or z")
+  keys.add_option("--map_mirror", values.device.map.mirror,
+                  "Axis of the device to reverse: x, y or z")
       ->group(group);
 }
 
@@ -105,15 +109,15 @@ void add_buttons(CLI::App& keys, OptionValues& values, ClientOptions& options) {
   const auto group =
       "Buttons of a device, its tool, and the start of its force (--device "
       "falcon:deadman_button=3)";
-  keys.add_option("--deadman_button", values.deadman_button,
+  keys.add_option("--deadman_button", values.device.buttons.deadman,
                   "Button that is the enabling switch, counted from 1. 0: none. Default: the "
                   "driver's choice")
       ->group(group);
-  keys.add_option("--clutch_button", values.clutch_button,
+  keys.add_option("--clutch_button", values.device.buttons.clutch,
                   "Button that is the clutch, counted from 1. The tool does not move while the "
                   "button is held. 0: none. Default: the driver's choice")
       ->group(group);
-  keys.add_option("--emergency_button", values.emergency_button,
+  keys.add_option("--emergency_button", values.device.buttons.emergency,
                   "Button that removes all force at once, counted from 1. The space bar in the "
                   "terminal does the same. The key r restores the force")
       ->group(group);
@@ -121,11 +125,11 @@ void add_buttons(CLI::App& keys, OptionValues& values, ClientOptions& options) {
                   "Button that selects the next robot, counted from 1. It works while the enabling "
                   "switch is released")
       ->group(group);
-  keys.add_option("--tool_weight", values.tool_weight,
+  keys.add_option("--tool_weight", values.device.tool_weight,
                   "Weight of a tool at the handle, 0.05kg or 0.5N. A constant force along the "
                   "device's z axis carries it")
       ->group(group);
-  keys.add_option("--await_still", values.await_still,
+  keys.add_option("--await_still", values.device.await_still,
                   "[s] The force starts after the hand was still for this time, or when the "
                   "enabling switch is pressed. 0: no wait. Default: 0.25 for a device that a "
                   "person holds, else 0")
@@ -254,12 +258,12 @@ DeviceText split_device(std::string_view text, const CLI::App& keys) {
 }
 
 void read_device_settings(CLI::App& keys, OptionValues& values, const HandTask& task) {
-  const DeviceText given = split_device(values.device, keys);
+  const DeviceText given = split_device(values.device.kind, keys);
   read_settings(keys, given.settings, "--device");
   require_hand(task);
-  values.device = given.device();
+  values.device.kind = given.device();
   require_kind(keys, given.kind);
-  if (!values.plant.empty()) values.device += ":plant=" + values.plant;
+  if (!values.device.hand.plant.empty()) values.device.kind += ":plant=" + values.device.hand.plant;
 }
 
 std::string device_in_folder(const std::string& value, const std::filesystem::path& folder,
@@ -285,13 +289,13 @@ BareDevice bare_device(const std::string& device) {
     if (!setting.starts_with("plant=") && !setting.starts_with("firmware="))
       throw std::invalid_argument("--device: " + setting.substr(0, setting.find('=')) +
                                   " has no effect in this command; leave it out");
-  values.device = device;
+  values.device.kind = device;
   read_device_settings(keys, values, task);
-  DriverChoice chosen = chosen_driver(values.device);
+  DriverChoice chosen = chosen_driver(values.device.kind);
   BareDevice bare;
   bare.driver = chosen.driver;
   bare.request.name = std::move(chosen.name);
-  bare.request.firmware = firmware_for(*chosen.driver, values.firmware);
+  bare.request.firmware = firmware_for(*chosen.driver, values.device.firmware);
   return bare;
 }
 

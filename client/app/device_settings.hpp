@@ -38,8 +38,8 @@ void add_device_settings(CLI::App& keys, OptionValues& values, HandTask& task,
 /// for an unknown setting.
 DeviceText split_device(std::string_view text, const CLI::App& keys);
 
-/// Reads the settings of values.device, which keeps KIND or KIND:NAME. `keys`, `values`, `task`: as
-/// in add_device_settings(). Throws std::invalid_argument.
+/// Reads the settings of values.device.kind, which keeps KIND or KIND:NAME. `keys`, `values`,
+/// `task`: as in add_device_settings(). Throws std::invalid_argument.
 void read_device_settings(CLI::App& keys, OptionValues& values, const HandTask& task);
 
 /// The value of --device with its files in this folder. Throws std::invalid_argument.

@@ -34,10 +34,10 @@ void require(bool good, const char* message) {
 void choose_safety(const OptionValues& values, ClientOptions& options) {
   SafetyLimits& given = options.servo.safety;
   const SafetyLimits usual = protect_hand(options.parameters).safety;
-  given.force.small = values.wait_for_small_force.value_or(usual.force.small);
+  given.force.small = values.limits.wait_for_small_force.value_or(usual.force.small);
   given.torque.small = std::isfinite(given.force.small) ? usual.torque.small : given.force.small;
-  given.force.speed = values.velocity_limit.value_or(usual.force.speed);
-  given.ramp_up = values.ramp_up.value_or(usual.ramp_up);
+  given.force.speed = values.limits.velocity_limit.value_or(usual.force.speed);
+  given.ramp_up = values.limits.ramp_up.value_or(usual.ramp_up);
 }
 
 /// Returns the changes that an admin may make to this session. With a person's hand, only changes
@@ -61,20 +61,20 @@ Role role_of_hand(const std::string& word) {
 /// that the server may grant. Throws std::invalid_argument.
 void choose_holds(const OptionValues& values, ClientOptions& options) {
   constexpr double kLongest = 1.0;  // [s] longest hold time
-  if (values.let_go_after) {
-    require(*values.let_go_after > 0.0 && *values.let_go_after <= kLongest,
+  if (values.limits.let_go_after) {
+    require(*values.limits.let_go_after > 0.0 && *values.limits.let_go_after <= kLongest,
             "--let-go-after must be above 0 and at most 1 s; leave it out for the usual time");
-    require(*values.let_go_after >= 2.0 * options.parameters.servo_period,
+    require(*values.limits.let_go_after >= 2.0 * options.parameters.servo_period,
             "--let-go-after must last two periods of the servo or more, or each late tick ends the "
             "run; leave it out for the usual time");
-    options.let_go_after = *values.let_go_after;
+    options.let_go_after = *values.limits.let_go_after;
   }
-  if (values.longest_hold_time) {
-    require(*values.longest_hold_time >= options.parameters.hold_time &&
-                *values.longest_hold_time <= kLongest,
+  if (values.limits.longest_hold_time) {
+    require(*values.limits.longest_hold_time >= options.parameters.hold_time &&
+                *values.limits.longest_hold_time <= kLongest,
             "--longest-hold-time must be from --hold-time to 1 s; leave it out, and the server may "
             "not lengthen the hold time");
-    options.longest_hold_time = *values.longest_hold_time;
+    options.longest_hold_time = *values.limits.longest_hold_time;
   }
 }
 
@@ -85,18 +85,20 @@ std::vector<NamedFile> named(std::vector<NamedFile> files) {
 }
 
 std::vector<NamedFile> written_files(const OptionValues& values) {
-  std::string record = values.record;
-  if (values.record_limits.any()) record = numbered({record, values.record_limits}, 1).string();
-  return named({{"--report", values.report}, {"--record", record}, {"--view", values.view}});
+  std::string record = values.files.record;
+  if (values.files.record_limits.any())
+    record = numbered({record, values.files.record_limits}, 1).string();
+  return named(
+      {{"--report", values.files.report}, {"--record", record}, {"--view", values.files.view}});
 }
 
 std::vector<NamedFile> read_files(const OptionValues& values) {
   const CredentialOptions& c = values.credentials;
-  const DriverChoice device = chosen_driver(values.device);
+  const DriverChoice device = chosen_driver(values.device.kind);
   const bool reads = device.driver->file != nullptr && !device.name.empty();
   return named({{"--device", reads ? device.driver->file(device.name) : std::string()},
                 {"--config", values.config},
-                {"firmware of --device", values.firmware},
+                {"firmware of --device", values.device.firmware},
                 {"--fingerprint-file", c.fingerprint_file},
                 {"--ca", c.ca},
                 {"--certificate", c.certificate},
@@ -114,11 +116,11 @@ void choose_flight_recorder(const std::string& folder, RunOptions& options) {
 
 /// Sets and checks the size limits of the recording. Throws std::invalid_argument.
 void choose_recording(const OptionValues& values, ClientOptions& options) {
-  const RecordingLimits& limits = values.record_limits;
+  const RecordingLimits& limits = values.files.record_limits;
   options.record_limits = limits;
   require(limits.mebibytes >= 1.0, "--record-max-mib must be 1 MiB or more");
   require(limits.seconds >= 1.0, "--record-max-seconds must be 1 s or more");
-  require(!limits.any() || is_mcap(values.record),
+  require(!limits.any() || is_mcap(values.files.record),
           "--record-max-mib and --record-max-seconds apply only to MCAP recordings; give --record "
           "FILE.mcap");
 }
@@ -132,32 +134,33 @@ Damping damping(const std::vector<double>& numbers) {
 
 /// Sets the driver and its request. `task`: path of a simulated hand. Throws std::invalid_argument.
 void choose_device(const OptionValues& values, HandTask task, ClientOptions& options) {
-  DriverChoice chosen = chosen_driver(values.device);
-  task.path = options.check ? HandPath::press : hand_path(values.path);
-  if (values.center) task.center = vector(*values.center);
-  if (values.normal) set_normal(task, vector(*values.normal));
-  require(std::abs(values.wrist_angle) < std::numbers::pi,
+  DriverChoice chosen = chosen_driver(values.device.kind);
+  task.path = options.check ? HandPath::press : hand_path(values.device.hand.path);
+  if (values.device.hand.center) task.center = vector(*values.device.hand.center);
+  if (values.device.hand.normal) set_normal(task, vector(*values.device.hand.normal));
+  require(std::abs(values.device.hand.wrist_angle) < std::numbers::pi,
           "wrist_angle of --device must be less than pi [rad]");
-  const WristTask wrist = {options.check ? WristPath::still : wrist_path(values.wrist),
-                           values.wrist_angle};
-  options.device_kind = values.device;
+  const WristTask wrist = {options.check ? WristPath::still : wrist_path(values.device.hand.wrist),
+                           values.device.hand.wrist_angle};
+  options.device_kind = values.device.kind;
   options.driver = chosen.driver;
   options.device = {.name = std::move(chosen.name),
-                    .spec = {values.spec, {}, values.mass},
+                    .spec = {values.device.spec, {}, values.device.mass},
                     .task = task,
                     .wrist = wrist,
-                    .own_center = values.center.has_value(),
-                    .own_normal = values.normal.has_value(),
+                    .own_center = values.device.hand.center.has_value(),
+                    .own_normal = values.device.hand.normal.has_value(),
                     .leads_from = values.lead,
-                    .presses_at = values.press,
+                    .presses_at = values.device.hand.press,
                     .firmware = {},
                     .steering = options.device.steering};
-  options.device.firmware = firmware_for(*chosen.driver, values.firmware);
-  require(!values.press || (chosen.driver->kind == "simulated" && *values.press >= 0.0 &&
-                            std::isfinite(*values.press)),
+  options.device.firmware = firmware_for(*chosen.driver, values.device.firmware);
+  require(!values.device.hand.press ||
+              (chosen.driver->kind == "simulated" && *values.device.hand.press >= 0.0 &&
+               std::isfinite(*values.device.hand.press)),
           "press_button of --device simulated is a time of 0 or more [s]");
   validate(options.device.steering);
-  if (values.damping) options.device.spec.damping = damping(*values.damping);
+  if (values.device.damping) options.device.spec.damping = damping(*values.device.damping);
   // Check the specification before the device opens, so that its errors are reported first.
   requested_spec(options.device.spec, chosen.driver->spec);
 }
@@ -189,21 +192,23 @@ void require_button(const char* option, int button, const Driver& driver, const 
 /// device lacks a button, or if a button has two functions.
 void choose_buttons(const OptionValues& values, int robot_button, const Driver& driver,
                     ProtectionOptions& options) {
-  options.deadman_button = values.deadman_button;
-  options.clutch_button = values.clutch_button;
-  for (const auto& [option, chosen] : {std::pair("deadman_button", values.deadman_button),
-                                       std::pair("clutch_button", values.clutch_button)}) {
+  options.deadman_button = values.device.buttons.deadman;
+  options.clutch_button = values.device.buttons.clutch;
+  for (const auto& [option, chosen] : {std::pair("deadman_button", values.device.buttons.deadman),
+                                       std::pair("clutch_button", values.device.buttons.clutch)}) {
     if (!chosen) continue;
     require_button(option, *chosen, driver, "leave it out");
-    for (const auto& [other, button] : {std::pair("emergency_button", values.emergency_button),
-                                        std::pair("robot_button", robot_button)})
+    for (const auto& [other, button] :
+         {std::pair("emergency_button", values.device.buttons.emergency),
+          std::pair("robot_button", robot_button)})
       if (button != 0 && button == *chosen)
         throw std::invalid_argument(std::string(option) + " and " + other +
                                     " of --device are the same button; give each its own");
   }
-  const int deadman = values.deadman_button.value_or(driver.deadman_button);
-  const bool both = deadman != 0 && deadman == values.clutch_button.value_or(driver.clutch_button);
-  if (both && (values.deadman_button || values.clutch_button))
+  const int deadman = values.device.buttons.deadman.value_or(driver.deadman_button);
+  const bool both =
+      deadman != 0 && deadman == values.device.buttons.clutch.value_or(driver.clutch_button);
+  if (both && (values.device.buttons.deadman || values.device.buttons.clutch))
     throw std::invalid_argument("button " + std::to_string(deadman) + " of --device " +
                                 std::string(driver.kind) +
                                 " would be the enabling switch and the clutch; give "
@@ -214,10 +219,10 @@ void choose_buttons(const OptionValues& values, int robot_button, const Driver& 
 ProtectionOptions protection(const OptionValues& values, const Driver& driver) {
   constexpr double kUsualStill = 0.25;  // [s] default of await_still for a hand that feels force
   ProtectionOptions options;
-  if (!values.tool_weight.empty()) options.tool_weight = weight(values.tool_weight);
-  options.emergency_button = values.emergency_button;
-  options.still =
-      values.await_still.value_or(driver.held_by_person && driver.gives_force ? kUsualStill : 0.0);
+  if (!values.device.tool_weight.empty()) options.tool_weight = weight(values.device.tool_weight);
+  options.emergency_button = values.device.buttons.emergency;
+  options.still = values.device.await_still.value_or(
+      driver.held_by_person && driver.gives_force ? kUsualStill : 0.0);
   require(options.tool_weight == 0.0 || driver.gives_force,
           "tool_weight of --device needs a device that gives force; leave it out");
   require_button("emergency_button", options.emergency_button, driver, "use the space bar");
@@ -229,12 +234,13 @@ WorkspaceMapping mapping(const OptionValues& values) {
   constexpr double kDegree = std::numbers::pi / 180.0;
   constexpr std::string_view kAxes = "xyz";
   WorkspaceMapping mapping;
-  mapping.scale = values.map_scale;
-  if (values.map_rotate) mapping.rotation = kDegree * vector(*values.map_rotate);
-  if (values.map_translate) mapping.translation = vector(*values.map_translate);
-  if (!values.map_mirror.empty())
-    mapping.mirrored_axis =
-        values.map_mirror.size() == 1 ? static_cast<int>(kAxes.find(values.map_mirror)) : -1;
+  mapping.scale = values.device.map.scale;
+  if (values.device.map.rotate) mapping.rotation = kDegree * vector(*values.device.map.rotate);
+  if (values.device.map.translate) mapping.translation = vector(*values.device.map.translate);
+  if (!values.device.map.mirror.empty())
+    mapping.mirrored_axis = values.device.map.mirror.size() == 1
+                                ? static_cast<int>(kAxes.find(values.device.map.mirror))
+                                : -1;
   validate(mapping);
   return mapping;
 }
@@ -304,12 +310,12 @@ void to_client_options(const OptionValues& values, HandTask task, ClientOptions&
           "--busy-poll must be from 0 to 1e6 us, or inf: never sleep");
 
   options.role = role_of_hand(values.role);
-  require(values.view.empty() || options.role == Role::observer,
+  require(values.files.view.empty() || options.role == Role::observer,
           "--view is only for observers; also give --role observer");
   choose_bound(values, options);
   options.parameters.servo_period = servo_period_of(values);
-  options.hold_time_follows = !values.hold_time;
-  if (values.hold_time) options.parameters.hold_time = *values.hold_time;
+  options.hold_time_follows = !values.limits.hold_time;
+  if (values.limits.hold_time) options.parameters.hold_time = *values.limits.hold_time;
   choose_hold_time(options.parameters, options.hold_time_follows);
   choose_traffic(values, options.role, options.parameters);
   validate(options.parameters);
@@ -320,7 +326,8 @@ void to_client_options(const OptionValues& values, HandTask task, ClientOptions&
 
   if (options.check) {
     constexpr double kUsual = 10.0;  // [s] default duration of a check
-    require(values.device == "simulated", "--check uses the simulated hand; leave out --device");
+    require(values.device.kind == "simulated",
+            "--check uses the simulated hand; leave out --device");
     if (options.duration == 0.0) options.duration = kUsual;
     task.depth = -task.clearance;  // keeps the hand above the surface
   }
@@ -329,18 +336,18 @@ void to_client_options(const OptionValues& values, HandTask task, ClientOptions&
   options.protection = protection(values, *options.driver);
   require_button("robot_button", options.servo.seat_button, *options.driver, "leave it out");
   choose_buttons(values, options.servo.seat_button, *options.driver, options.protection);
-  if (!values.report.empty()) options.report = values.report;
-  if (!values.record.empty()) options.record = values.record;
+  if (!values.files.report.empty()) options.report = values.files.report;
+  if (!values.files.record.empty()) options.record = values.files.record;
   choose_recording(values, options);
-  choose_flight_recorder(values.flight_recorder, options);
-  if (!values.view.empty()) options.view = values.view;
+  choose_flight_recorder(values.files.flight_recorder, options);
+  if (!values.files.view.empty()) options.view = values.files.view;
   require_different(written_files(values), read_files(values));
   options.dscp = dscp(values.dscp);
   options.rehearses = values.rehearses;
   if (!values.link.empty()) options.link = parse_link(values.link);
   options.takes = changes(values, options);
   // Without a person, a short stall of the servo thread is harmless and must not end the session.
-  if (!values.let_go_after && !options.driver->held_by_person)
+  if (!values.limits.let_go_after && !options.driver->held_by_person)
     options.let_go_after = options.parameters.hold_time;
 }
 

@@ -26,19 +26,21 @@ void require_session(bool good, const char* message) {
 /// Begins with the values of a network profile.
 void apply_profile(const NetworkProfile& line, OptionValues& values,
                    SessionParameters& parameters) {
-  parameters.mode = values.mode.empty() ? kSessionMethod : bounding_method(values.mode).name;
+  parameters.mode =
+      values.mode.method.empty() ? kSessionMethod : bounding_method(values.mode.method).name;
   parameters.servo_period = servo_period_of(values);
   parameters = over(line, parameters);
-  values.position_deadband_percent = kPercent * parameters.position_deadband;
-  values.force_deadband_percent = kPercent * parameters.force_deadband;
-  values.predictor = name(parameters.predictor);
+  values.traffic.position_deadband_percent = kPercent * parameters.position_deadband;
+  values.traffic.force_deadband_percent = kPercent * parameters.force_deadband;
+  values.traffic.predictor = name(parameters.predictor);
 }
 
 /// Returns the datagram rate [Hz], or nothing for one datagram per tick.
 std::optional<double> packet_rate(const OptionValues& values, Role role) {
   constexpr double kPictures = 100.0;  // [Hz] default of an observer
-  const bool usual = !values.packet_rate && values.profile.empty();
-  return usual && role == Role::observer ? std::min(kPictures, values.rate) : values.packet_rate;
+  const bool usual = !values.traffic.packet_rate && values.traffic.profile.empty();
+  return usual && role == Role::observer ? std::min(kPictures, values.rate)
+                                         : values.traffic.packet_rate;
 }
 
 /// Appends the old options of the settings in `keys`, each with its new spelling.
@@ -57,16 +59,16 @@ void add_mode_settings(CLI::App& keys, OptionValues& values, ClientOptions& opti
   SessionParameters& parameters = options.parameters;
   const auto group = "Energy bound (--mode contact_frame,storage=elastic, or --mode side=server)";
   keys.set_help_flag();
-  keys.add_option("--side", values.side,
+  keys.add_option("--side", values.mode.side,
                   "Place of the bound: " + joined_names(kBoundingSideNames) +
                       ". Default: client, but server for virtual_coupling and "
                       "passivity_control_parallel")
       ->group(group);
-  keys.add_option("--projection", values.projection,
+  keys.add_option("--projection", values.mode.projection,
                   "Projection of contact_frame: " + joined_names(kProjectionNames))
       ->capture_default_str()
       ->group(group);
-  keys.add_option("--storage", values.storage,
+  keys.add_option("--storage", values.mode.storage,
                   "Energy storage of contact_frame: " + joined_names(kStorageNames))
       ->capture_default_str()
       ->group(group);
@@ -81,7 +83,7 @@ void add_mode_settings(CLI::App& keys, OptionValues& values, ClientOptions& opti
                   "side=server")
       ->capture_default_str()
       ->group(group);
-  keys.add_option("--reference", values.reference,
+  keys.add_option("--reference", values.mode.reference,
                   "Reference of passivity_control*: " + joined_names(kPassivityReferenceNames))
       ->capture_default_str()
       ->group(group);
@@ -100,7 +102,7 @@ void add_mode_settings(CLI::App& keys, OptionValues& values, ClientOptions& opti
 void add_traffic_settings(CLI::App& keys, OptionValues& values, SessionParameters& parameters) {
   const auto group = "Traffic (--traffic wan,packet_rate=50, or --traffic force_deadband=10)";
   keys.set_help_flag();
-  keys.add_option("--packet_rate", values.packet_rate,
+  keys.add_option("--packet_rate", values.traffic.packet_rate,
                   "[Hz] Rate of the datagrams to the server, at most --rate. The interval is a "
                   "whole number of servo ticks. Default: one datagram per tick")
       ->group(group);
@@ -113,17 +115,17 @@ void add_traffic_settings(CLI::App& keys, OptionValues& values, SessionParameter
                   "Number of earlier samples that each datagram repeats")
       ->capture_default_str()
       ->group(group);
-  keys.add_option("--position_deadband", values.position_deadband_percent,
+  keys.add_option("--position_deadband", values.traffic.position_deadband_percent,
                   "[%] Send a sample only if it changes the force by more than this share, 0 to "
                   "50. 0: send all samples")
       ->capture_default_str()
       ->group(group);
-  keys.add_option("--force_deadband", values.force_deadband_percent,
+  keys.add_option("--force_deadband", values.traffic.force_deadband_percent,
                   "[%] The server answers only if the force changed by more than this share, 0 to "
                   "50. 0: it always answers")
       ->capture_default_str()
       ->group(group);
-  keys.add_option("--predictor", values.predictor,
+  keys.add_option("--predictor", values.traffic.predictor,
                   "Prediction that a deadband compares with: " + joined_names(kPredictorNames) +
                       ". level: the last sent value. linear: the line through the last sent "
                       "values")
@@ -136,19 +138,21 @@ void add_traffic_settings(CLI::App& keys, OptionValues& values, SessionParameter
 }
 
 void read_mode_settings(CLI::App& keys, OptionValues& values) {
-  const std::string method = values.mode.substr(0, values.mode.find(','));
+  const std::string method = values.mode.method.substr(0, values.mode.method.find(','));
   if (const std::size_t colon = method.find(':'); colon != std::string::npos)
-    throw std::invalid_argument("--mode " + values.mode + ": write a comma behind the method: " +
-                                method.substr(0, colon) + "," + values.mode.substr(colon + 1));
-  SettingsText given = split_settings(values.mode, keys, SettingsBegin::name, "--mode");
+    throw std::invalid_argument("--mode " + values.mode.method +
+                                ": write a comma behind the method: " + method.substr(0, colon) +
+                                "," + values.mode.method.substr(colon + 1));
+  SettingsText given = split_settings(values.mode.method, keys, SettingsBegin::name, "--mode");
   read_settings(keys, given.settings, "--mode");
-  values.mode = std::move(given.begin);
+  values.mode.method = std::move(given.begin);
 }
 
 void read_traffic_settings(CLI::App& keys, OptionValues& values, SessionParameters& parameters) {
-  SettingsText given = split_settings(values.traffic, keys, SettingsBegin::name, "--traffic");
-  values.profile = std::move(given.begin);
-  if (!values.profile.empty()) apply_profile(network_profile(values.profile), values, parameters);
+  SettingsText given = split_settings(values.traffic.words, keys, SettingsBegin::name, "--traffic");
+  values.traffic.profile = std::move(given.begin);
+  if (!values.traffic.profile.empty())
+    apply_profile(network_profile(values.traffic.profile), values, parameters);
   read_settings(keys, given.settings, "--traffic");
 }
 
@@ -161,26 +165,27 @@ double servo_period_of(const OptionValues& values) {
 
 void choose_bound(const OptionValues& values, ClientOptions& options) {
   SessionParameters& parameters = options.parameters;
-  if (!values.side.empty()) parameters.side = bounding_side(values.side);
+  if (!values.mode.side.empty()) parameters.side = bounding_side(values.mode.side);
   const bool here = parameters.side == BoundingSide::client;
   const std::string_view usual = here ? kSessionMethod : kDefaultMethod;
-  parameters.mode = values.mode.empty() ? usual : bounding_method(values.mode).name;
+  parameters.mode = values.mode.method.empty() ? usual : bounding_method(values.mode.method).name;
   const BoundingMethod& method = bounding_method(parameters.mode);
-  if (values.side.empty() && stands_beside_scene(method)) parameters.side = BoundingSide::server;
-  parameters.projection = projection(values.projection);
-  parameters.storage = storage(values.storage);
-  parameters.reference = passivity_reference(values.reference);
+  if (values.mode.side.empty() && stands_beside_scene(method))
+    parameters.side = BoundingSide::server;
+  parameters.projection = projection(values.mode.projection);
+  parameters.storage = storage(values.mode.storage);
+  parameters.reference = passivity_reference(values.mode.reference);
   options.servo.account = get_named("value of account", values.account, kSwitchNames) == "on";
-  const bool by_profile = !values.profile.empty() && parameters.local_model;
+  const bool by_profile = !values.traffic.profile.empty() && parameters.local_model;
   parameters.local_model =
       values.local_model.empty() ? by_profile || method.shapes : values.local_model != "off";
   options.whole_surfaces = values.local_model != "patches";
 }
 
 void choose_traffic(const OptionValues& values, Role role, SessionParameters& parameters) {
-  parameters.position_deadband = values.position_deadband_percent / kPercent;
-  parameters.force_deadband = values.force_deadband_percent / kPercent;
-  parameters.predictor = predictor(values.predictor);
+  parameters.position_deadband = values.traffic.position_deadband_percent / kPercent;
+  parameters.force_deadband = values.traffic.force_deadband_percent / kPercent;
+  parameters.predictor = predictor(values.traffic.predictor);
   const std::optional<double> rate = packet_rate(values, role);
   if (!rate) return;
   require_session(*rate > 0.0 && *rate <= values.rate,

@@ -14,11 +14,11 @@ void add_mode_settings(CLI::App& keys, OptionValues& values, ClientOptions& opti
 /// Adds the settings of --traffic to `keys`. They are written to `values` and `parameters`.
 void add_traffic_settings(CLI::App& keys, OptionValues& values, SessionParameters& parameters);
 
-/// Reads the settings of values.mode, which keeps the method or nothing. Throws
+/// Reads the settings of values.mode.method, which keeps the method or nothing. Throws
 /// std::invalid_argument.
 void read_mode_settings(CLI::App& keys, OptionValues& values);
-/// Reads values.traffic: `parameters` become those of its profile, and its settings override them.
-/// Call it after read_mode_settings(). Throws std::invalid_argument.
+/// Reads values.traffic.words: `parameters` become those of its profile, and its settings override
+/// them. Call it after read_mode_settings(). Throws std::invalid_argument.
 void read_traffic_settings(CLI::App& keys, OptionValues& values, SessionParameters& parameters);
 
 /// The period of the servo [s] at --rate. Throws std::invalid_argument.
