@@ -75,7 +75,7 @@ int main(int argc, char** argv) try {
   options.name = options.device_kind = "my_device";
   options.scene = argv[2];
   options.duration = std::atof(argv[3]);
-  if (argc == 5) options.let_go_after = std::atof(argv[4]);
+  if (argc == 5) options.hold.let_go_after = std::atof(argv[4]);
   options.servo = feltwire::protect_hand(options.parameters);
   return feltwire::run_client(std::make_unique<MyDevice>(), options);
 } catch (const std::exception& error) {

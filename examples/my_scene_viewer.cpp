@@ -53,7 +53,7 @@ int main(int argc, char** argv) try {
   options.duration = std::atof(argv[3]);
   options.role = feltwire::Role::observer;
   options.parameters.packet_interval = 33;  // [servo ticks] between packets: 30 packets per second
-  options.on_view = Map();
+  options.hooks.on_view = Map();
   // run_client() needs a device. An observer has no hand in the scene, so this device does not move
   // and gets no force.
   feltwire::SimulatedHandOptions nobody;

@@ -46,11 +46,11 @@ std::string first_scene(const ServerAccess& server) {
 int check(ClientOptions& options) {
   if (options.scene.empty()) options.scene = first_scene(options.server);
   std::vector<CheckResult> results;
-  options.on_end = [&](const RunFigures& run) {
+  options.hooks.on_end = [&](const RunFigures& run) {
     results = judge(run, machine_facts(run.server));
     return json(results);
   };
-  options.on_exit = [&](int ran) {
+  options.hooks.on_exit = [&](int ran) {
     std::printf("%s", table(results).c_str());
     return ran == 0 && worst(results) != Verdict::fail ? 0 : 1;
   };
@@ -60,7 +60,7 @@ int check(ClientOptions& options) {
 
 int run(ClientOptions options) {
   if (options.list) return list(options.server);
-  options.open_port = port_opener(options);
+  options.hooks.open_port = port_opener(options);
   if (options.check) return check(options);
   auto device = open_device(options);
   return run_client(std::move(device), options);

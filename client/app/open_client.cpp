@@ -12,7 +12,7 @@ constexpr std::size_t kLinkRoom = 1 << 13;  // capacity in datagrams: 0.8 s at 1
 }  // namespace
 
 std::unique_ptr<Device> hand_device(OpenedDevice opened, ClientOptions& options) {
-  options.true_energy = std::move(opened.true_energy);
+  options.hooks.true_energy = std::move(opened.true_energy);
   options.emergency = std::make_shared<EmergencyStop>();
   auto device = std::make_unique<ProtectedDevice>(std::move(opened.device), options.protection,
                                                   options.emergency);

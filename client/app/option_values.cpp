@@ -67,14 +67,14 @@ void choose_holds(const OptionValues& values, ClientOptions& options) {
     require(*values.limits.let_go_after >= 2.0 * options.parameters.servo_period,
             "--let-go-after must last two periods of the servo or more, or each late tick ends the "
             "run; leave it out for the usual time");
-    options.let_go_after = *values.limits.let_go_after;
+    options.hold.let_go_after = *values.limits.let_go_after;
   }
   if (values.limits.longest_hold_time) {
     require(*values.limits.longest_hold_time >= options.parameters.hold_time &&
                 *values.limits.longest_hold_time <= kLongest,
             "--longest-hold-time must be from --hold-time to 1 s; leave it out, and the server may "
             "not lengthen the hold time");
-    options.longest_hold_time = *values.limits.longest_hold_time;
+    options.hold.longest = *values.limits.longest_hold_time;
   }
 }
 
@@ -109,15 +109,15 @@ std::vector<NamedFile> read_files(const OptionValues& values) {
 /// Sets the flight recorder's folder. Recording is the default, so a failed session leaves data.
 void choose_flight_recorder(const std::string& folder, RunOptions& options) {
   if (folder == "off") return;
-  options.flight_recorder_required = !folder.empty();
-  options.flight_recorder =
+  options.files.flight_recorder_required = !folder.empty();
+  options.files.flight_recorder =
       folder.empty() ? state_flight_folder() : std::optional<std::filesystem::path>(folder);
 }
 
 /// Sets and checks the size limits of the recording. Throws std::invalid_argument.
 void choose_recording(const OptionValues& values, ClientOptions& options) {
   const RecordingLimits& limits = values.files.record_limits;
-  options.record_limits = limits;
+  options.files.record_limits = limits;
   require(limits.mebibytes >= 1.0, "--record-max-mib must be 1 MiB or more");
   require(limits.seconds >= 1.0, "--record-max-seconds must be 1 s or more");
   require(!limits.any() || is_mcap(values.files.record),
@@ -314,9 +314,9 @@ void to_client_options(const OptionValues& values, HandTask task, ClientOptions&
           "--view is only for observers; also give --role observer");
   choose_bound(values, options);
   options.parameters.servo_period = servo_period_of(values);
-  options.hold_time_follows = !values.limits.hold_time;
+  options.hold.follows_period = !values.limits.hold_time;
   if (values.limits.hold_time) options.parameters.hold_time = *values.limits.hold_time;
-  choose_hold_time(options.parameters, options.hold_time_follows);
+  choose_hold_time(options.parameters, options.hold.follows_period);
   choose_traffic(values, options.role, options.parameters);
   validate(options.parameters);
   choose_holds(values, options);
@@ -336,11 +336,11 @@ void to_client_options(const OptionValues& values, HandTask task, ClientOptions&
   options.protection = protection(values, *options.driver);
   require_button("robot_button", options.servo.seat_button, *options.driver, "leave it out");
   choose_buttons(values, options.servo.seat_button, *options.driver, options.protection);
-  if (!values.files.report.empty()) options.report = values.files.report;
-  if (!values.files.record.empty()) options.record = values.files.record;
+  if (!values.files.report.empty()) options.files.report = values.files.report;
+  if (!values.files.record.empty()) options.files.record = values.files.record;
   choose_recording(values, options);
   choose_flight_recorder(values.files.flight_recorder, options);
-  if (!values.files.view.empty()) options.view = values.files.view;
+  if (!values.files.view.empty()) options.files.view = values.files.view;
   require_different(written_files(values), read_files(values));
   options.dscp = dscp(values.dscp);
   options.rehearses = values.rehearses;
@@ -348,7 +348,7 @@ void to_client_options(const OptionValues& values, HandTask task, ClientOptions&
   options.takes = changes(values, options);
   // Without a person, a short stall of the servo thread is harmless and must not end the session.
   if (!values.limits.let_go_after && !options.driver->held_by_person)
-    options.let_go_after = options.parameters.hold_time;
+    options.hold.let_go_after = options.parameters.hold_time;
 }
 
 }  // namespace feltwire

@@ -109,7 +109,7 @@ std::unique_ptr<OpenHand> open_hand(const HandRequest& request, const SimulatorS
   ClientOptions options = options_of_hand(words, is_caller, simulator == nullptr);
   options.rehearses = false;  // it prints
   std::shared_ptr<SimulatorFeed> feed;
-  options.open_port = port_opener(options);
+  options.hooks.open_port = port_opener(options);
   if (simulator != nullptr) feed = meet_simulator(options, *simulator);
   OpenedDevice opened;
   CallerDevice* caller = nullptr;

@@ -25,12 +25,13 @@ constexpr int kHousekeeping = 50;    // [ms] between two looks at the run
 OpenHand::OpenHand(ClientOptions options, std::unique_ptr<Device> device, CallerDevice* caller,
                    std::shared_ptr<SimulatorFeed> feed)
     : options_(std::move(options)), caller_(caller), feed_(std::move(feed)) {
-  options_.listener = this;
+  options_.hooks.listener = this;
   await_ready(*device);
   run_.emplace(std::move(device), options_, static_cast<RunOutlet&>(*this));
   const SessionParameters& granted = accepted().parameters;
-  longest_tick_ = from_seconds(let_go_time(granted.servo_period, granted.hold_time,
-                                           options_.let_go_after, run_->real_time().scheduler));
+  longest_tick_ =
+      from_seconds(let_go_time(granted.servo_period, granted.hold_time, options_.hold.let_go_after,
+                               run_->real_time().scheduler));
   try {
     attendant_ = std::thread([this] {
       pollfd waiting{run_->supervisor().over_descriptor(), POLLIN, 0};

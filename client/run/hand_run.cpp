@@ -87,9 +87,9 @@ std::string error_of(const LoopResult& result, const std::string& refusal, const
 }
 
 std::optional<FlightTarget> flight_target(const RunOptions& options) {
-  if (!options.flight_recorder) return std::nullopt;
-  return FlightTarget{*options.flight_recorder, recording_about(options),
-                      options.flight_recorder_required};
+  if (!options.files.flight_recorder) return std::nullopt;
+  return FlightTarget{*options.files.flight_recorder, recording_about(options),
+                      options.files.flight_recorder_required};
 }
 
 /// Returns the number of the robot's seat. Throws SessionError with the names of all seats.
@@ -119,9 +119,9 @@ std::shared_ptr<RunTask> make_task(const RunOptions& options, const control::Joi
   servo.scene_stiffness = servo.leads ? 0.0 : accepted.stiffness;
   auto run = std::make_shared<RunTask>(std::move(device), std::move(transport), accepted.parameters,
                                        servo);
-  run->records = std::make_unique<Records>(
-      Records::Files{recording_target(options), options.view, servo.observes, options.on_view,
-                     flight_target(options), accepted.parameters.servo_period});
+  run->records = std::make_unique<Records>(Records::Files{
+      recording_target(options), options.files.view, servo.observes, options.hooks.on_view,
+      flight_target(options), accepted.parameters.servo_period});
   run->changes.emplace(Changes::Client{run->device->spec(), accepted.parameters, servo,
                                        run->transport->port(), options.takes});
   run->options = {.duration = from_seconds(options.duration),
@@ -135,10 +135,10 @@ std::shared_ptr<RunTask> make_task(const RunOptions& options, const control::Joi
                   .record = run->records->rows(),
                   .views = run->records->views(),
                   .wanted = &run->changes->wanted(),
-                  .listener = options.listener};
+                  .listener = options.hooks.listener};
   const Nanoseconds period = from_seconds(accepted.parameters.servo_period);
   run->priority = never_sleeps(run->options.busy_poll, period) ? 0 : kServoPriority;
-  run->let_go_after = options.let_go_after;
+  run->let_go_after = options.hold.let_go_after;
   return run;
 }
 
@@ -171,9 +171,10 @@ std::map<std::string, std::string> recording_about(const RunOptions& options) {
 }
 
 std::optional<RecordingTarget> recording_target(const RunOptions& options) {
-  if (!options.record) return std::nullopt;
-  return RecordingTarget{
-      .file = *options.record, .limits = options.record_limits, .about = recording_about(options)};
+  if (!options.files.record) return std::nullopt;
+  return RecordingTarget{.file = *options.files.record,
+                         .limits = options.files.record_limits,
+                         .about = recording_about(options)};
 }
 
 HandRun::HandRun(std::unique_ptr<Device> device, const RunOptions& options, RunOutlet& outlet,
@@ -183,20 +184,20 @@ HandRun::HandRun(std::unique_ptr<Device> device, const RunOptions& options, RunO
                               options.role};
   if (const Nanoseconds tick = device->longest_tick(); tick.count() > 0)
     wanted.parameters.servo_period = seconds(tick);
-  choose_hold_time(wanted.parameters, options.hold_time_follows);
+  choose_hold_time(wanted.parameters, options.hold.follows_period);
   wanted.tool = options.tool;
   wanted.version = version();
   if (options.role != Role::observer) wanted.takes = options.takes;
-  const GrantLimits limits{.hold_time = feels(options.role) ? options.longest_hold_time
-                                                            : kLongestGrantedHold};
-  Joined joined =
-      options.join ? options.join(wanted) : join(options.server, wanted, kControlTimeout, limits);
+  const GrantLimits limits{.hold_time =
+                               feels(options.role) ? options.hold.longest : kLongestGrantedHold};
+  Joined joined = options.hooks.join ? options.hooks.join(wanted)
+                                     : join(options.server, wanted, kControlTimeout, limits);
   accepted_ = joined.accepted;
   datagrams_ = joined.datagrams;
   const auto transport = std::make_shared<Transport>(
       SessionAddress{datagrams_, accepted_.session, joined.keys}, accepted_.parameters,
       device->spec().rotation_sensed > 0,
-      options.open_port ? options.open_port(datagrams_) : open_udp_port(datagrams_),
+      options.hooks.open_port ? options.hooks.open_port(datagrams_) : open_udp_port(datagrams_),
       PositionScale{device->spec().position_resolution, accepted_.stiffness});
   joined.keys = {};  // the transport has copies of the required keys
   // The server has a session for this client from here on. Report every failure to the server.

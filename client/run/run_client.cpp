@@ -39,7 +39,7 @@ int conclude(const RunOptions& options, const Servo& servo, const LoopResult& re
       device_faults_text(s.device.faults, s.device.jumps).c_str(),
       result.end == EndReason::device_ended ? "; the device has no more readings" : "",
       error.empty() ? "" : ("; " + visible(error)).c_str(), reported ? ", report in " : "",
-      reported ? visible(options.report->string()).c_str() : "");
+      reported ? visible(options.files.report->string()).c_str() : "");
   if (const std::string slow =
           slow_device(result.device, servo.parameters().servo_period, result.paced);
       !slow.empty())
@@ -113,15 +113,15 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   std::signal(SIGPIPE, SIG_IGN);  // a closed terminal must not end the session suddenly
   std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit must fail like a full disk
   // Check all files before the request to the server.
-  if (options.report) check_writable(*options.report);
+  if (options.files.report) check_writable(*options.files.report);
   if (const auto target = recording_target(options)) check_writable(numbered(*target, 1));
-  if (options.view) check_writable(*options.view);
-  const Signals signals(options.flight_recorder.has_value());
+  if (options.files.view) check_writable(*options.files.view);
+  const Signals signals(options.files.flight_recorder.has_value());
   OutOfMemoryReserve reserve;
   if (!wait_until_ready(*device, signals)) return 0;
 
   TerminalOutlet terminal;
-  HandRun run(std::move(device), options, terminal, options.flight_recorder.has_value());
+  HandRun run(std::move(device), options, terminal, options.files.flight_recorder.has_value());
   {
     EmergencyKey keys(options.emergency, STDIN_FILENO);
     if (keys.descriptor() >= 0) terminal.say("the space bar takes all force off at once");
@@ -135,26 +135,27 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   const std::optional<Rehearsal> rehearsed = run.rehearsal();
   try {
     std::string check;
-    if (options.on_end) check = options.on_end(figures_of(run));
-    if (options.report)
+    if (options.hooks.on_end) check = options.hooks.on_end(figures_of(run));
+    if (options.files.report)
       write_report_surely(
-          *options.report,
+          *options.files.report,
           {options.name, options.scene, to_string(options.server.endpoint), options.device_kind,
            run.real_time(), run.accepted().stiffness, options.busy_poll, task.records->sight(),
            run.accepted().tool, run.accepted().version, check, &task.changes->done(),
            &task.records->flight_records(), run.fetch().refusal(),
-           run.servo_ended() && options.true_energy ? std::optional(options.true_energy())
-                                                    : std::nullopt,
+           run.servo_ended() && options.hooks.true_energy
+               ? std::optional(options.hooks.true_energy())
+               : std::nullopt,
            rehearsed},
           task);
-    reported = options.report.has_value();
+    reported = options.files.report.has_value();
   } catch (const std::exception& error) {
     terminal.say(std::string("the report is lost: ") + error.what());
     failed = true;
   }
   const int ending = conclude(options, task.servo, task.result, fault, reported);
   int code = failed ? 1 : ending;
-  if (options.on_exit) code = options.on_exit(code);
+  if (options.hooks.on_exit) code = options.hooks.on_exit(code);
   if (!run.servo_ended() || run.asking()) end_at_once(code);
   return code;
 }

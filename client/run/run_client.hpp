@@ -23,34 +23,19 @@ namespace feltwire {
 /// The longest time of a request to the server.
 inline constexpr std::chrono::milliseconds kControlTimeout{3000};
 
-/// The options of one run. docs/devices.md explains them as options of feltwire-client.
-struct RunOptions {
-  ServerAccess server;                   // the server's address, and the credentials
-  std::string name = "feltwire-client";  // of this client, for the server's log and the report
-  std::string scene;                     // the name of the scene to join
-  std::string tool;                      // the name of the tool to hold; empty: the scene's first
-  std::string robot;                     // the seat of the robot that it leads; empty: the first
-  Role role = Role::operator_;           // or observer
-  std::string device_kind;               // for the report
-  SessionParameters parameters = usual_parameters();  // requested from the server
+/// How long a force may stay on the hand.
+struct HoldOptions {
   /// The hold time is lengthened if the servo period of the device needs it (choose_hold_time()).
-  bool hold_time_follows = false;
-  /// The emergency stop of the ProtectedDevice: keys of the terminal press and reset it. Null: the
-  /// terminal has no such keys.
-  std::shared_ptr<EmergencyStop> emergency;
-  ServoOptions servo;  // safety limits; protect_hand(parameters) gives the usual ones
-  /// The changes that an admin may make while it runs (docs/admin.md); none by default.
-  /// Never use LawsTaken::any if a person's hand may be at the device. A link is the one that
-  /// `open_port` emulates.
-  ChangesTaken takes = {};
-  double duration = 0.0;   // [s] 0: until stopped
-  double busy_poll = 0.0;  // [us] to poll for replies and deadlines; infinity: never sleep
-  double patience = 30.0;  // [s] to look for a lost session; 0: not at all
+  bool follows_period = false;
   /// [s] While a force is on the hand, the device is let go for good if no tick comes for this
   /// time. 0: the usual time (let_go_time()).
   double let_go_after = 0.0;
   /// [s] The longest hold_time that the server may grant; 0: no longer than was asked for.
-  double longest_hold_time = 0.0;
+  double longest = 0.0;
+};
+
+/// The files that a run writes.
+struct RunFiles {
   std::optional<std::filesystem::path> report, record, view;  // files to write; empty: none
   RecordingLimits record_limits;                              // of each file of an MCAP recording
   /// Folder for the last ten seconds before an error that ends the run, a lost session, a device
@@ -58,6 +43,10 @@ struct RunOptions {
   std::optional<std::filesystem::path> flight_recorder;
   /// False: if the folder cannot be made, a warning is printed, and the run goes on without it.
   bool flight_recorder_required = true;
+};
+
+/// The functions of the program that a run calls.
+struct RunHooks {
   /// For an observer: called for each view, by the thread that called run_client(). If
   /// it throws, it is not called again; the run goes on, and returns 1.
   OnView on_view = {};
@@ -70,11 +59,6 @@ struct RunOptions {
   /// must end at once, so that run_client() does not return. Returns the exit code to use. Must not
   /// throw.
   std::function<int(int code)> on_exit = {};
-  /// Fetches the scene's meshes, or the tool's body with the solids, for the local model; false:
-  /// the model has patches or planes of them only.
-  bool whole_surfaces = true;
-  /// Says beside the run what a hand will feel (client/run/rehearsal.hpp).
-  bool rehearses = false;
   /// The energy at the true ends of a simulated device, for the report; empty: not known. Called
   /// while the device lives, after the servo thread has ended.
   std::function<TrueEnergy()> true_energy = {};
@@ -82,6 +66,37 @@ struct RunOptions {
   std::function<std::unique_ptr<DatagramPort>(const Address& scene)> open_port = {};
   /// Joins the scene; empty: asks `server`. May throw SessionError.
   std::function<Joined(const control::JoinRequest& request)> join = {};
+};
+
+/// The options of one run. docs/devices.md explains them as options of feltwire-client.
+struct RunOptions {
+  ServerAccess server;                   // the server's address, and the credentials
+  std::string name = "feltwire-client";  // of this client, for the server's log and the report
+  std::string scene;                     // the name of the scene to join
+  std::string tool;                      // the name of the tool to hold; empty: the scene's first
+  std::string robot;                     // the seat of the robot that it leads; empty: the first
+  Role role = Role::operator_;           // or observer
+  std::string device_kind;               // for the report
+  SessionParameters parameters = usual_parameters();  // requested from the server
+  /// The emergency stop of the ProtectedDevice: keys of the terminal press and reset it. Null: the
+  /// terminal has no such keys.
+  std::shared_ptr<EmergencyStop> emergency;
+  ServoOptions servo;  // safety limits; protect_hand(parameters) gives the usual ones
+  /// The changes that an admin may make while it runs (docs/admin.md); none by default.
+  /// Never use LawsTaken::any if a person's hand may be at the device. A link is the one that
+  /// `open_port` emulates.
+  ChangesTaken takes = {};
+  double duration = 0.0;   // [s] 0: until stopped
+  double busy_poll = 0.0;  // [us] to poll for replies and deadlines; infinity: never sleep
+  double patience = 30.0;  // [s] to look for a lost session; 0: not at all
+  HoldOptions hold;
+  RunFiles files;
+  RunHooks hooks;
+  /// Fetches the scene's meshes, or the tool's body with the solids, for the local model; false:
+  /// the model has patches or planes of them only.
+  bool whole_surfaces = true;
+  /// Says beside the run what a hand will feel (client/run/rehearsal.hpp).
+  bool rehearses = false;
 };
 
 /// Joins the scene and runs the servo loop in a thread of its own. The run ends when the duration

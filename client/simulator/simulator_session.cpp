@@ -41,7 +41,7 @@ std::shared_ptr<SimulatorFeed> meet_simulator(RunOptions& options, const Simulat
   constexpr CipherSuite kSuite = CipherSuite::chacha20_poly1305;
   require(supported(kSuite), "the library libsodium cannot start");
   const SessionKeys keys = random_session_keys(kSuite);
-  options.join = [scene, keys](const control::JoinRequest& request) {
+  options.hooks.join = [scene, keys](const control::JoinRequest& request) {
     Joined joined;
     joined.keys = keys;
     control::JoinAccepted& accepted = joined.accepted;
@@ -57,7 +57,7 @@ std::shared_ptr<SimulatorFeed> meet_simulator(RunOptions& options, const Simulat
     accepted.version = version();
     return joined;
   };
-  options.open_port = [feed, keys](const Address&) -> std::unique_ptr<DatagramPort> {
+  options.hooks.open_port = [feed, keys](const Address&) -> std::unique_ptr<DatagramPort> {
     return std::make_unique<SimulatorPort>(kSession, keys, feed);
   };
   return feed;

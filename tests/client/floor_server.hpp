@@ -18,7 +18,7 @@ inline Scene floor_scene() {
 inline ServerConfig any_ports() {
   ServerConfig config;
   config.port = 0;
-  config.log_level = "off";
+  config.log.level = "off";
   return config;
 }
 

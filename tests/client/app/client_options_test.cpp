@@ -272,9 +272,9 @@ TEST(Options, TheLimitsOfARecordingsFilesAreOfMcapFiles) {
   const std::string file = folder / "hand.mcap";
   const auto options = std::get<ClientOptions>(
       parsed({"--record", file, "--record-max-mib", "64", "--record-max-seconds", "600"}));
-  EXPECT_EQ(options.record_limits.mebibytes, 64.0);
-  EXPECT_EQ(options.record_limits.seconds, 600.0);
-  EXPECT_FALSE(std::get<ClientOptions>(parsed({"--record", file})).record_limits.any());
+  EXPECT_EQ(options.files.record_limits.mebibytes, 64.0);
+  EXPECT_EQ(options.files.record_limits.seconds, 600.0);
+  EXPECT_FALSE(std::get<ClientOptions>(parsed({"--record", file})).files.record_limits.any());
   EXPECT_THAT(refusal({"--record", folder / "hand.csv", "--record-max-mib", "64"}),
               HasSubstr("give --record FILE.mcap"));
   EXPECT_THAT(refusal({"--record-max-seconds", "60"}), HasSubstr("give --record FILE.mcap"));
@@ -328,16 +328,16 @@ TEST(Options, HowLongAForceMayStayIsForTheUserToSay) {
     return std::get<ClientOptions>(parsed(words));
   };
   // The default is the hold time, because nobody holds a simulated device.
-  EXPECT_EQ(of({}).let_go_after, 0.1);
-  EXPECT_EQ(of({"--device", "haply"}).let_go_after, 0.0);
-  EXPECT_EQ(of({"--let-go-after", "0.02"}).let_go_after, 0.02);
+  EXPECT_EQ(of({}).hold.let_go_after, 0.1);
+  EXPECT_EQ(of({"--device", "haply"}).hold.let_go_after, 0.0);
+  EXPECT_EQ(of({"--let-go-after", "0.02"}).hold.let_go_after, 0.02);
   for (const char* wrong : {"0", "-1", "1.1", "inf", "nan"})
     EXPECT_THAT(refusal({"--let-go-after", wrong}), HasSubstr("--let-go-after must be above 0"));
   EXPECT_THAT(refusal({"--let-go-after", "0.001"}), HasSubstr("two periods of the servo or more"));
-  EXPECT_EQ(of({"--let-go-after", "0.001", "--rate", "4000"}).let_go_after, 0.001);
-  EXPECT_EQ(of({}).longest_hold_time, 0.0);
-  EXPECT_EQ(of({"--longest-hold-time", "0.8"}).longest_hold_time, 0.8);
-  EXPECT_EQ(of({"--hold-time", "0.3", "--longest-hold-time", "0.3"}).longest_hold_time, 0.3);
+  EXPECT_EQ(of({"--let-go-after", "0.001", "--rate", "4000"}).hold.let_go_after, 0.001);
+  EXPECT_EQ(of({}).hold.longest, 0.0);
+  EXPECT_EQ(of({"--longest-hold-time", "0.8"}).hold.longest, 0.8);
+  EXPECT_EQ(of({"--hold-time", "0.3", "--longest-hold-time", "0.3"}).hold.longest, 0.3);
   for (const char* wrong : {"0.2", "1.1", "inf", "nan"})
     EXPECT_THAT(refusal({"--hold-time", "0.3", "--longest-hold-time", wrong}),
                 HasSubstr("--longest-hold-time must be from --hold-time to 1 s"));
@@ -363,7 +363,7 @@ TEST(Options, AnObserverLooksAtTheRateOfPictures) {
   EXPECT_EQ(of({"--rate", "50"}).parameters.packet_interval, 1);
   EXPECT_EQ(of({"--traffic", "packet_rate=500"}).parameters.packet_interval, 2);
   EXPECT_EQ(of({"--traffic", "thin"}).parameters.packet_interval, 80);
-  EXPECT_EQ(of({"--view", "seen.csv"}).view, "seen.csv");
+  EXPECT_EQ(of({"--view", "seen.csv"}).files.view, "seen.csv");
   const auto usual = parsed({});
   EXPECT_EQ(std::get<ClientOptions>(usual).role, Role::operator_);
   EXPECT_EQ(std::get<ClientOptions>(usual).parameters.packet_interval, 1);

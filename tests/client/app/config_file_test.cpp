@@ -123,9 +123,9 @@ TEST_F(ConfigFileOfClient, ItsFilesLieInItsFolder) {
   const ClientOptions made = options(
       R"({"report": "out/report.json", "record": "/tmp/r.csv", "flight_recorder": "off",
           "device": "replay:moved.csv", "spec": "touch"})");
-  EXPECT_EQ(made.report, folder_ / "out/report.json");
-  EXPECT_EQ(made.record, "/tmp/r.csv");
-  EXPECT_EQ(made.flight_recorder, std::nullopt);
+  EXPECT_EQ(made.files.report, folder_ / "out/report.json");
+  EXPECT_EQ(made.files.record, "/tmp/r.csv");
+  EXPECT_EQ(made.files.flight_recorder, std::nullopt);
   EXPECT_EQ(made.device.name, (folder_ / "moved.csv").string());
   EXPECT_EQ(options(R"({"device": "simulated:depth=0.02,plant=lag.json"})").device.name,
             "plant=" + (folder_ / "lag.json").string());

@@ -51,26 +51,26 @@ TEST_F(Loopback, ADebtEndsTheForceAndTheRunSaysSoAndTheNextOneOwesIt) {
   options.device_kind = "one of this test";
   options.duration = 0.3;
   options.parameters.hold_time = 1.0;  // [s] longer than a busy machine delays a thread
-  options.let_go_after = options.parameters.hold_time;
-  options.report = folder / "report.json";
+  options.hold.let_go_after = options.parameters.hold_time;
+  options.files.report = folder / "report.json";
   ::testing::internal::CaptureStderr();
   EXPECT_EQ(run_client(std::make_unique<Overdraws>(true), options), 1);
   const std::string told = ::testing::internal::GetCapturedStderr();
   EXPECT_NE(told.find("the force was ended: the hand got"), std::string::npos) << told;
-  nlohmann::json report = report_of(*options.report);
+  nlohmann::json report = report_of(*options.files.report);
   ASSERT_FALSE(report["debt_fault"].is_null());
   EXPECT_GT(report["debt_fault"]["debt_j"], 3e-6);
   EXPECT_GT(report["no_force"]["samples"]["overdrawn"], 0);
   EXPECT_LT(report["account"]["balance_j"], 0.0);
 
   EXPECT_EQ(run_client(std::make_unique<Overdraws>(false), options), 0);
-  report = report_of(*options.report);
+  report = report_of(*options.files.report);
   EXPECT_TRUE(report["debt_fault"].is_null());
   EXPECT_LT(report["account"]["balance_j"], 0.0) << "a device that stands still burns nothing";
 
   options.device_kind = "another";
   EXPECT_EQ(run_client(std::make_unique<Overdraws>(false), options), 0);
-  EXPECT_EQ(report_of(*options.report)["account"]["balance_j"], 0.0);
+  EXPECT_EQ(report_of(*options.files.report)["account"]["balance_j"], 0.0);
 }
 
 }  // namespace

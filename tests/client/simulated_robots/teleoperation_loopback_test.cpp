@@ -47,7 +47,7 @@ class ScriptedHand final : public HandDevice {
 ServerConfig any_ports() {
   ServerConfig config;
   config.port = 0;
-  config.log_level = "off";
+  config.log.level = "off";
   return config;
 }
 

@@ -97,7 +97,7 @@ class World {
     made.hand.spec = builtin_device("simulated");
     made.hand.task.path = path;
     made.feed = meet_simulator(made.options, {.stiffness = stiffness});
-    made.joined = made.options.join(
+    made.joined = made.options.hooks.join(
         {"test", "own", made.hand.spec, made.options.parameters, Role::operator_});
     return made;
   }
