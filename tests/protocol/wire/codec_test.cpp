@@ -117,18 +117,21 @@ TEST(Codec, ReplyRoundTrip) {
 // Checks each bit of PROTOCOL.md.
 TEST(Codec, TheFlagsOfAReplyAreTheProtocols) {
   Encoder encoder;
-  const std::vector<bool Reply::*> flags = {&Reply::active, &Reply::saturated, &Reply::refused,
-                                            &Reply::gap, &Reply::recovering};
+  const std::vector<bool& (*)(Reply&)> flags = {[](Reply& r) -> bool& { return r.bound.active; },
+                                                [](Reply& r) -> bool& { return r.bound.saturated; },
+                                                [](Reply& r) -> bool& { return r.bound.refused; },
+                                                [](Reply& r) -> bool& { return r.gap; },
+                                                [](Reply& r) -> bool& { return r.recovering; }};
   for (std::size_t bit = 0; bit < flags.size(); ++bit) {
     Reply reply;
     reply.sample_index = 1;
-    reply.*flags[bit] = true;
+    flags[bit](reply) = true;
     const Bytes payload = encoder.reply(reply);
     EXPECT_EQ(flatbuffers::GetRoot<wire::Reply>(payload.data())->report()->flags(), 1u << bit);
     Reply received;
     ASSERT_EQ(decode(payload, received), DropReason::none);
     for (std::size_t other = 0; other < flags.size(); ++other)
-      EXPECT_EQ(received.*flags[other], other == bit);
+      EXPECT_EQ(flags[other](received), other == bit);
   }
 }
 
