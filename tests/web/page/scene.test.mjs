@@ -87,6 +87,7 @@ test('a mesh and a grid that move are drawn where the picture says', async () =>
 
 test('of pictures that come in a heap the newest is drawn, and all are plotted', async () => {
   await open();
+  await page.selectOption('#seconds', '60');  // All points stay in the plots.
   await until(() => window.feltwire().pictures > 3 && window.feltwire().plotted.points > 3);
   server.play.silent = true;
   server.send(server.play.picture());
