@@ -23,10 +23,6 @@ LockStepDevice::LockStepDevice(const SourcedSpec& usual, const SpecRequest& requ
   DeviceSpec& spec = described_.spec;
   spec.rotation_sensed = spec.rotation_actuated = 0;
   spec.max_torque = 0.0;
-  if (spec.actuation.lag > 0.0)
-    throw DeviceSpecError(spec.name, "actuation_lag",
-                          "this driver takes each force up one tick late, and the account reckons "
-                          "with that; leave actuation_lag out");
   spec.actuation.late_ticks = 1;
 }
 

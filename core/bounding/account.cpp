@@ -45,9 +45,6 @@ const AccountConfig& checked(const AccountConfig& config) {
         " servo periods) can be reckoned with; take a servo rate of at most " +
         std::to_string(highest_rate(config.lag)) +
         " Hz, or measure the device's actuation_lag and give it in a device file (--spec)");
-  if (config.late > 0 && config.lag.time > 0.0)
-    throw std::invalid_argument(
-        "account: forces are taken up late, and the motor lags; give the whole time as the lag");
   validate(config.translation, "account, translation");
   validate(config.rotation, "account, rotation");
   return config;
@@ -268,14 +265,47 @@ inline double PortAccount::affordable_share(const ForceAndTorque& wanted, double
 /// Computes affordable_share() for a lagging motor. The cost of a share has no simple inverse, so
 /// this function searches for the share. The needs of the returned share are never above `left`.
 double PortAccount::lagging_share(const ForceAndTorque& wanted, double left, double hold) noexcept {
+  if (late_ > 0) return lagging_share_after_coming(wanted, left, hold);
   const LaggingNeed force(translation_, older_forces_, wanted.force, hold);
   const LaggingNeed torque(rotation_, older_torques_, wanted.torque, hold);
   if (!force.limited() || !torque.limited()) [[unlikely]]
     return kNoLimit;
   const double share = largest_within(left, [&](double s) { return force.at(s) + torque.at(s); });
   worst_next_ =
-      std::max(0.0, balance_ - force.of_next_sample(share) - torque.of_next_sample(share));
+      std::max(0.0, balance_ - force.of_first_sample(share) - torque.of_first_sample(share));
   return share;
+}
+
+/// Computes lagging_share() for a device that also takes forces up `late_` samples late. The
+/// pending forces need energy first, each in the sample in which it is the newest one. As in
+/// share_after_coming(), `left` must be enough for `late_` + 1 forces like the returned one.
+double PortAccount::lagging_share_after_coming(const ForceAndTorque& wanted, double left,
+                                               double hold) noexcept {
+  LaggingForces forces = older_forces_, torques = older_torques_;
+  double driving = forces.strongest(), turning = torques.strongest();
+  for (std::size_t n = 0; n < late_; ++n) {
+    driving = std::max(driving, length(coming_forces_[n]));
+    turning = std::max(turning, length(coming_torques_[n]));
+  }
+  double needed = 0.0;
+  int late = 0;
+  for (std::size_t n = 0; n < late_; ++n, ++late) {
+    const LaggingNeed force(translation_, forces, coming_forces_[n], hold, late, driving);
+    const LaggingNeed torque(rotation_, torques, coming_torques_[n], hold, late, turning);
+    needed += force.of_first_sample(1.0) + torque.of_first_sample(1.0);
+    if (n == 0) worst_next_ = std::max(0.0, balance_ - needed);
+    forces.passed(coming_forces_[n], hold);
+    torques.passed(coming_torques_[n], hold);
+  }
+  const LaggingNeed force(translation_, forces, wanted.force, hold, late, driving);
+  const LaggingNeed torque(rotation_, torques, wanted.torque, hold, late, turning);
+  if (!force.limited() || !torque.limited()) [[unlikely]]
+    return kNoLimit;
+  const auto need = [&](double s) { return force.at(s) + torque.at(s); };
+  const auto in_a_row = [&](double s) {
+    return need(s) + late * (force.of_first_sample(s) + torque.of_first_sample(s));
+  };
+  return std::min(largest_within(left - needed, need), largest_within(left, in_a_row));
 }
 
 /// Gives the affordable share of each part (force, torque) that has a limited need. Gives nothing
@@ -329,12 +359,18 @@ double need_at_rest(const AccountConfig& config, const Command& command) {
   const auto need = [&](const PortKnowledge& known, const Vec3& force) {
     PortBalance balance(known, config.period);
     balance.earned(Vec3::Zero(), force, config.period);
-    const std::vector<Vec3> coming(static_cast<std::size_t>(config.late), force);
     if (config.lag.time > 0.0) {
       LaggingForces older(config.lag);
       for (int n = 0; n < LaggingForces::kMostSamples; ++n) older.passed(force, config.period);
-      return LaggingNeed(balance, older, force, config.period).at(1.0);
+      const double strongest = length(force);
+      const auto need_of = [&](int late) {
+        return LaggingNeed(balance, older, force, config.period, late, strongest);
+      };
+      double sum = need_of(config.late).at(1.0);
+      for (int n = 0; n < config.late; ++n) sum += need_of(n).of_first_sample(1.0);
+      return sum;
     }
+    const std::vector<Vec3> coming(static_cast<std::size_t>(config.late), force);
     double sum = 0.0;  // [J] sum of the needs after 0, 1, 2, ... forces of `coming`
     for (std::size_t n = 0; n <= coming.size(); ++n)
       sum += balance.need(force, config.period, {coming.data(), n}).at(1.0);

@@ -41,7 +41,7 @@ struct AccountConfig {
   int late = 0;
   static constexpr int kMostLate = 4;
   /// The most by which the motor follows its commands later than that. MotorLag::rest() is from 0
-  /// to LaggingForces::kMostSamples periods, and 0 beside a `late` that is not 0.
+  /// to LaggingForces::kMostSamples periods.
   MotorLag lag{};
 };
 
@@ -225,7 +225,7 @@ class PortBalance {
 ///
 /// If the motor follows its commands with a lag, a part of an older force may be on the hand in
 /// this sample, and a part of f(n) in later ones (core/bounding/lagging_need.hpp; docs/bounding.md,
-/// "A motor that lags").
+/// "A motor that lags"). Both may be so: then the lag begins where the force is taken up.
 ///
 /// A(n) is not part of the proof: a smaller force is always admissible. A force that only followed
 /// M(n) would be a spring that is always half a sample late, and would shake (docs/bounding.md,
@@ -306,6 +306,8 @@ class PortAccount {
   double softened(const ForceAndTorque& wanted, double usual, double most) const noexcept;
   double need_after(const ForceAndTorque& held, std::size_t n, double hold) const noexcept;
   double lagging_share(const ForceAndTorque& wanted, double left, double hold) noexcept;
+  double lagging_share_after_coming(const ForceAndTorque& wanted, double left,
+                                    double hold) noexcept;
   void give(const ForceAndTorque& given) noexcept;
   void count_debt(bool was_in_debt) noexcept;
 

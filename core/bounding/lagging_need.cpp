@@ -7,10 +7,10 @@
 namespace feltwire {
 
 LaggingNeed::LaggingNeed(const PortBalance& port, const LaggingForces& older, const Vec3& wanted,
-                         double hold) noexcept
+                         double hold, int late, double driving) noexcept
     : squared_(wanted.squaredNorm()) {
   length_ = std::sqrt(squared_);
-  const double before = older.strongest(), strongest = std::max(length_, before);
+  const double strongest = std::max(length_, driving);
   if (strongest == 0.0) return;
   along_ = wanted.dot(older[0].force);
   newest_squared_ = older[0].force.squaredNorm();
@@ -22,16 +22,16 @@ LaggingNeed::LaggingNeed(const PortBalance& port, const LaggingForces& older, co
     OfSample& sample = samples_[count_++];
     sample.weight = weight;
     // In the next sample, the wanted force f and the rest of the older forces drive the handle.
-    sample.wanted = port.need_after(wanted, hold, i, i == 0 ? before : strongest);
+    sample.wanted = port.need_after(wanted, hold, late + i, i == 0 ? driving : strongest);
     limited_ = limited_ && (squared_ == 0.0 || sample.wanted.limited());
-    if (i > 0) sample.rounded = port.quantum() * wanted.lpNorm<1>();
+    if (late + i > 0) sample.rounded = port.quantum() * wanted.lpNorm<1>();
     const Vec3* newer = nullptr;
     double worst = 0.0;  // [J] largest need of the older forces so far
     for (std::size_t j = 0; j < older.count(); ++j) {
       const auto& [force, age] = older[j];
       const double share = older.share(age, ahead, hold);
       if (!(share > 0.0)) break;
-      worst = std::max(worst, port.need_after(force, hold, i, strongest).at(1.0) +
+      worst = std::max(worst, port.need_after(force, hold, late + i, strongest).at(1.0) +
                                   port.quantum() * force.lpNorm<1>());
       sample.older[sample.count] = share;
       sample.worst[sample.count++] = worst;

@@ -21,11 +21,20 @@ namespace feltwire {
 /// force of sample i; w(0) is that of s f with all of them. need_i is the need in sample i, whose
 /// reach is longer by what may drive the handle before it. docs/bounding.md, "A motor that lags",
 /// has the proof: s = 0 is always within the balance.
+///
+/// A device that takes forces up L samples late takes up s f after L samples. Sample 0 above is
+/// then sample L from now, and the forces that are still to come are among the older ones.
 class LaggingNeed {
  public:
-  /// `hold` [s]: the time of each sample, T or longer.
+  /// `hold` [s]: the time of each sample, T or longer. `older`: the forces before the wanted one
+  /// when the device takes it up, after `late` samples. `driving` [N]: the strongest force that may
+  /// be on the motor until then, at least older.strongest().
+  LaggingNeed(const PortBalance& port, const LaggingForces& older, const Vec3& wanted, double hold,
+              int late, double driving) noexcept;
+  /// The device takes the force up at once.
   LaggingNeed(const PortBalance& port, const LaggingForces& older, const Vec3& wanted,
-              double hold) noexcept;
+              double hold) noexcept
+      : LaggingNeed(port, older, wanted, hold, 0, older.strongest()) {}
 
   bool limited() const noexcept { return limited_; }
   double at(double s) const noexcept {
@@ -33,7 +42,8 @@ class LaggingNeed {
     for (std::size_t i = 0; i < count_; ++i) sum += of_sample(i, s);
     return sum;
   }
-  double of_next_sample(double s) const noexcept { return of_sample(0, s); }
+  /// The part of it in the sample in which the device takes the force up.
+  double of_first_sample(double s) const noexcept { return of_sample(0, s); }
 
  private:
   static constexpr std::size_t kMost = LaggingForces::kMost;

@@ -72,10 +72,6 @@ void validate(const DeviceSpec& spec) {
                std::to_string(kMostLateTicks));
 
   check_range(spec, "actuation_lag", spec.actuation.lag, kMaxLag, "s");
-  if (spec.actuation.lag > 0.0 && spec.actuation.late_ticks > 0)
-    refuse(spec, "actuation_lag",
-           "stands beside late_ticks; give the whole time between write() and the motor's force as "
-           "actuation_lag, and late_ticks 0");
 
   check_range(spec, "transmission_stiffness", spec.transmission.stiffness, kMaxStiffness, "N/m");
   check_damping(spec, "damping", spec.damping, kMaxDamping, "N s/m");

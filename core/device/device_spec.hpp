@@ -23,11 +23,11 @@ inline constexpr std::array<std::string_view, 3> kLagKindNames = {"delay", "filt
 enum class EncoderSide : std::uint8_t { motor, handle };
 inline constexpr std::array<std::string_view, 2> kEncoderSideNames = {"motor", "handle"};
 
-/// How late a written force comes on the hand: by ticks or by a time, not by both.
+/// How late a written force comes on the hand. Both add up.
 struct ActuationSpec {
-  int late_ticks = 0;
-  double lag = 0.0;  // L [s] upper bound of the time by which the motor's force follows write();
-                     // 0: none is told
+  int late_ticks = 0;  // after which the device takes up a force that is written
+  double lag = 0.0;    // L [s] upper bound of the time by which the motor's force follows that,
+                       // without late ticks write(); 0: none is told
   LagKind kind = LagKind::delay;
 };
 
