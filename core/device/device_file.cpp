@@ -1,5 +1,7 @@
 #include "core/device/device_file.hpp"
 
+#include <algorithm>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -51,14 +53,19 @@ Damping damping(const JsonDocument& document, const char* field, const Numbers* 
   return values->size() == 3 ? Damping(Vec3(given.diagonal())) : Damping(given);
 }
 
+void require_alone(const JsonDocument& document, const std::string& several,
+                   const std::string& field) {
+  if (document.has(field))
+    document.fail(several, "stands beside " + field + ", which says the same; give one of the two");
+}
+
 /// Returns the least value over all directions. The file has a number in `field`, or a matrix in
 /// the field with the suffix _matrix.
 double least(const JsonDocument& document, const std::string& field, double number,
              const Numbers* values) {
   if (values == nullptr) return number;
   const std::string other = field + "_matrix";
-  if (document.has(field))
-    document.fail(other, "stands beside " + field + ", which says the same; give one of the two");
+  require_alone(document, other, field);
   // Use the checks of a damping matrix.
   const Damping given(matrix(document, other.c_str(), *values));
   try {
@@ -67,6 +74,23 @@ double least(const JsonDocument& document, const std::string& field, double numb
     document.fail(other, error.what());
   }
   return given.least();
+}
+
+/// Returns the largest lag. The file has a number, or the lags of the motors of force or of force
+/// and torque.
+double largest_lag(const JsonDocument& document, double number, const Numbers* values) {
+  if (values == nullptr) return number;
+  constexpr const char* kSeveral = "actuation_lags";
+  constexpr flatbuffers::uoffset_t kForce = 3, kWrench = 6;
+  require_alone(document, kSeveral, "actuation_lag");
+  if (values->size() != kForce && values->size() != kWrench)
+    document.fail(kSeveral, "give three numbers, along x, y and z, or six, also about them");
+  double largest = 0.0;
+  for (const double value : *values) {
+    if (!(value >= 0.0)) document.fail(kSeveral, "must be zero or more; check the sign");
+    largest = std::max(largest, value);
+  }
+  return largest;
 }
 
 LagKind lag_kind(const JsonDocument& document, const flatbuffers::String* name) {
@@ -144,9 +168,11 @@ SourcedSpec read_spec(std::string_view text, std::string file) {
       .hand_force = given.hand_force(),
       .hand_speed = given.hand_speed(),
       .actuation = {.late_ticks = given.late_ticks(),
-                    .lag = given.actuation_lag(),
+                    .lag = largest_lag(document, given.actuation_lag(), given.actuation_lags()),
                     .kind = lag_kind(document, given.actuation_kind())},
-      .transmission = {.stiffness = given.transmission_stiffness(),
+      .transmission = {.stiffness =
+                           least(document, "transmission_stiffness", given.transmission_stiffness(),
+                                 given.transmission_stiffness_matrix()),
                        .encoder_side = encoder_side(document, given.encoder_side())},
       .rotation = {.resolution = given.rotational_resolution(),
                    .least_inertia = least(document, "least_inertia", given.least_inertia(),
@@ -159,8 +185,9 @@ SourcedSpec read_spec(std::string_view text, std::string file) {
   } catch (const DeviceSpecError& error) {
     document.fail(error.field, error.why);
   }
-  return {std::move(spec), sources_of(given), document.has("actuation_lag"),
-          document.has("transmission_stiffness")};
+  return {std::move(spec), sources_of(given),
+          document.has("actuation_lag") || document.has("actuation_lags"),
+          document.has("transmission_stiffness") || document.has("transmission_stiffness_matrix")};
 }
 
 /// Returns the built-in devices, in a fixed order.
