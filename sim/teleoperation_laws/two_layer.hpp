@@ -17,10 +17,13 @@ namespace feltwire::teleop {
 /// Source: Franken, Stramigioli, Misra, Secchi, Macchelli, "Bilateral telemanipulation with time
 /// delays: a two-layer approach combining passivity and transparency", IEEE Trans. Robotics 27(4),
 /// 2011. Decided here: H_d = 0.3 J, which is also the first charge; beta = 1 %; alpha = 50; what is
-/// sent travels as a total, so that a loss loses nothing.
+/// sent travels as a total, so that a loss loses nothing. 0.3 J is little for the bench
+/// (docs/lab/teleoperation.md, "The level of a tank").
 class TwoLayer final : public TeleoperationLaw {
  public:
-  explicit TwoLayer(const Plant& plant) : plant_(plant) {}
+  /// `level` [J]: H_d of both tanks.
+  explicit TwoLayer(const Plant& plant, double level = PortTank::kLevel)
+      : plant_(plant), wanted_level_(level), leader_tank_{level}, robot_tank_{level} {}
 
   double lead(const LeaderSample& s, std::span<const Datagram> arrived, Datagram& out) override {
     constexpr double kDamper = 50.0;  // [N s/m] for each joule
@@ -31,7 +34,7 @@ class TwoLayer final : public TeleoperationLaw {
     leader_tank_.exchange(held_ * way, arrived);
     double force =
         paid(leader_tank_, follower_.known() ? follower_->force : 0.0, s.velocity * plant_.period);
-    force += kDamper * std::max(0.0, PortTank::kLevel - leader_tank_.level) * s.velocity;
+    force += kDamper * std::max(0.0, wanted_level_ - leader_tank_.level) * s.velocity;
     held_ = force;
     out.position = s.position;
     out.velocity = s.velocity;
@@ -63,6 +66,7 @@ class TwoLayer final : public TeleoperationLaw {
   }
 
   Plant plant_;
+  double wanted_level_;  // H_d [J]
   Newest leader_, follower_;
   PortTank leader_tank_, robot_tank_;
   double before_ = 0.0, held_ = 0.0, robot_before_ = 0.0, drive_ = 0.0;

@@ -4,11 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "sim/studies/teleop/tasks.hpp"
 #include "sim/teleoperation_laws/laws.hpp"
+#include "sim/teleoperation_laws/two_layer.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace feltwire::teleop {
@@ -38,6 +41,37 @@ TEST(Teleop, ABoundedForceFadesAndAnUnboundedOneSwings) {
   EXPECT_GT(*run("position_force", "press_second", 0.1).oscillation, 1e-3);
   EXPECT_GT(run("position_force", "press_second", 0.1).energy_made, 1.0);
   EXPECT_EQ(run("contact_frame", "press_second", 0.1).energy_made, 0.0);
+}
+
+/// Returns the measures of the two-layer approach with tanks of `level` [J] over a perfect link.
+Measured two_layer(double level, std::string_view name, double trip) {
+  const auto task = std::ranges::find(tasks(), name, &Task::name);
+  BenchSetup setup = task->setup;
+  setup.link.delay = 0.5 * trip;
+  TwoLayer law(setup.plant, level);
+  return judge(*task, run_bench(law, setup), trip);
+}
+
+/// The figures are those of docs/lab/teleoperation.md, "The level of a tank".
+TEST(Teleop, ATankOfAPressesEnergyIsEmptyAtTheSecondPress) {
+  struct Known {
+    double level, trip, first, second;  // [J], [s], displayed shares
+  };
+  for (const Known& known : {Known{0.3, 0.05, 0.913, 0.412},
+                             {0.3, 0.1, 0.875, 0.309},
+                             {3.0, 0.05, 1.133, 1.034},
+                             {3.0, 0.1, 0.972, 0.970}}) {
+    constexpr double kTolerance = 0.02;
+    EXPECT_NEAR(*two_layer(known.level, "press_first", known.trip).displayed, known.first,
+                kTolerance)
+        << known.level << ' ' << known.trip;
+    EXPECT_NEAR(*two_layer(known.level, "press_second", known.trip).displayed, known.second,
+                kTolerance)
+        << known.level << ' ' << known.trip;
+  }
+  EXPECT_GT(*two_layer(3.0, "press_second", 0.1).oscillation, 10.0 * kCalm);
+  EXPECT_NEAR(*two_layer(0.3, "free", 0.1).drag, 0.37, 0.05);
+  EXPECT_NEAR(*two_layer(3.0, "free", 0.1).drag, 2.68, 0.1);
 }
 
 TEST(Teleop, FreeMotionHasNoDragAndLossNoDrift) {
