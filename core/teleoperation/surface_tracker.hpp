@@ -48,9 +48,31 @@ class SurfaceTracker {
     slow_.place += farther;
     quick_.place += farther;
   }
-  /// `measured` [m]; `elapsed` [s] > 0, well below 1 / kQuickPlace. `stands`: something else than a
-  /// motion of the surface changes what is measured, so the surface counts as standing still.
+  /// `measured` [m]; `elapsed` [s] > 0. `stands`: something else than a motion of the surface
+  /// changes what is measured, so the surface counts as standing still. A long time is taken in
+  /// steps in which the trackers are stable. After a longer one than kRemembers the surface begins
+  /// anew.
   void step(double measured, double elapsed, bool stands = false) noexcept {
+    if (!(elapsed <= kRemembers)) {
+      begin(measured, measured);
+      return;
+    }
+    const double count = std::max(1.0, std::ceil(elapsed / kLongestStep));
+    for (int n = 0; n < static_cast<int>(count); ++n) advance(measured, elapsed / count, stands);
+  }
+
+  double place() const noexcept { return place_; }                 // [m]
+  double speed() const noexcept { return moves_ * quick_.speed; }  // [m/s]
+
+ private:
+  struct Track {
+    double place = 0.0, speed = 0.0, pull = 0.0;  // [m], [m/s], [m/s^2]
+  };
+  static constexpr double kTurn = 2.0 * std::numbers::pi;
+  static constexpr double kLongestStep = 10e-3;  // [s] the quick tracker is stable up to 10.3 ms
+  static constexpr double kRemembers = 0.64;     // [s]
+
+  void advance(double measured, double elapsed, bool stands) noexcept {
     const double slow = kTurn * kTracker, ahead = measured - slow_.place;
     slow_.speed += elapsed * slow * slow * ahead;
     slow_.place += elapsed * (slow_.speed + 2.0 * slow * ahead);
@@ -69,14 +91,6 @@ class SurfaceTracker {
     place_ += low_pass_share(kQuickPlace, elapsed) * (measured - place_);
   }
 
-  double place() const noexcept { return place_; }                 // [m]
-  double speed() const noexcept { return moves_ * quick_.speed; }  // [m/s]
-
- private:
-  struct Track {
-    double place = 0.0, speed = 0.0, pull = 0.0;  // [m], [m/s], [m/s^2]
-  };
-  static constexpr double kTurn = 2.0 * std::numbers::pi;
   Track slow_, quick_;
   double place_ = 0.0;
   double left_ = 0.0;   // [s] that it still counts as moving

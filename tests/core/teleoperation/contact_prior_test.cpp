@@ -171,5 +171,25 @@ TEST(SurfaceTracker, StandsStillUntilItMovesAndThenHasNoLag) {
   EXPECT_NEAR(place.speed(), 0.0, 1e-9);
 }
 
+/// Many robots take 20 to 100 samples a second. The trackers must not swing there.
+TEST(SurfaceTracker, IsStableAtEveryServoPeriod) {
+  for (const double period : {1e-6, 1e-3, 0.01, 0.02, 0.05, 0.1, 0.5, 10.0}) {
+    SurfaceTracker place;
+    place.begin(0.1, 0.1);
+    constexpr double kStep = 5e-3;  // [m]
+    double farthest = 0.0, fastest = 0.0;
+    for (int n = 0; n < 4000; ++n) {
+      place.step(0.1 + kStep, period);
+      farthest = std::max(farthest, std::abs(place.place() - 0.1));
+      fastest = std::max(fastest, std::abs(place.speed()));
+    }
+    EXPECT_LT(farthest, 2.0 * kStep) << period;
+    EXPECT_LT(fastest, 0.5) << period;
+    if (period < 1e-3) continue;
+    EXPECT_NEAR(place.place(), 0.1 + kStep, 1e-6) << period;
+    EXPECT_NEAR(place.speed(), 0.0, 1e-6) << period;
+  }
+}
+
 }  // namespace
 }  // namespace feltwire::contact_prior_test
