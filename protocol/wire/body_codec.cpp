@@ -37,8 +37,8 @@ Mat3 root_of(const Mat3& m) {
 wire::BodyPoint wire_point(const BodyPoint& p, double unit) {
   const Vec3 arm = p.arm / unit, normal = kShort * p.normal;
   const Mat3 root = root_of(p.spread) / unit;
-  return {static_cast<float>(p.distance),
-          static_cast<float>(p.stiffness),
+  return {float32(p.distance),
+          float32_above_zero(p.stiffness),
           wire_short(arm.x()),
           wire_short(arm.y()),
           wire_short(arm.z()),
@@ -88,19 +88,16 @@ bool plausible(const BodyPoint& p) {
 
 flatbuffers::Offset<wire::BodyModel> build(flatbuffers::FlatBufferBuilder& builder,
                                            const BodyModel& model) {
-  const double unit = unit_of(static_cast<float>(model.radius));
+  const double unit = unit_of(float32(model.radius));
   std::array<wire::BodyPoint, kMaxBodyPoints> points;
   std::array<wire::BodyPatch, kMaxBodyPatches> patches;
   for (std::size_t i = 0; i < model.view().size(); ++i)
     points[i] = wire_point(model.points[i], unit);
   for (std::size_t i = 0; i < model.surfaces().size(); ++i) {
     const BodyPatch& p = model.patches[i];
-    patches[i] = {static_cast<float>(p.static_friction),
-                  static_cast<float>(p.dynamic_friction),
-                  static_cast<float>(p.viscous_friction),
-                  static_cast<float>(p.damping_time),
-                  wire_float(p.velocity),
-                  p.object};
+    patches[i] = {float32(p.static_friction),  float32(p.dynamic_friction),
+                  float32(p.viscous_friction), float32(p.damping_time),
+                  wire_float(p.velocity),      p.object};
   }
   const auto wire_points = builder.CreateVectorOfStructs(points.data(), model.view().size());
   const auto wire_patches = builder.CreateVectorOfStructs(patches.data(), model.surfaces().size());
@@ -108,11 +105,10 @@ flatbuffers::Offset<wire::BodyModel> build(flatbuffers::FlatBufferBuilder& build
   const wire::Quatd orientation = wire_double(model.tool.orientation);
   const ToolCoupling& c = model.coupling;
   return wire::CreateBodyModel(
-      builder, model.scene, &position, &orientation, static_cast<float>(model.reach),
-      static_cast<float>(model.turn), static_cast<float>(c.stiffness),
-      static_cast<float>(c.rotational_stiffness), static_cast<float>(c.max_force),
-      static_cast<float>(c.max_torque), static_cast<float>(model.radius), model.slipping,
-      wire_points, wire_patches, model.solids);
+      builder, model.scene, &position, &orientation, float32(model.reach), float32(model.turn),
+      float32_above_zero(c.stiffness), float32_above_zero(c.rotational_stiffness),
+      float32_above_zero(c.max_force), float32_above_zero(c.max_torque), float32(model.radius),
+      model.slipping, wire_points, wire_patches, model.solids);
 }
 
 bool read(const wire::BodyModel& from, BodyModel& to) noexcept {

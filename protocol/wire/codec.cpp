@@ -10,6 +10,7 @@
 #include "protocol/wire/report_codec.hpp"
 #include "protocol/wire/robot_codec.hpp"
 #include "protocol/wire/view_codec.hpp"
+#include "protocol/wire/wire_values.hpp"
 
 namespace feltwire {
 namespace {
@@ -80,9 +81,8 @@ flatbuffers::Offset<wire::ClientChange> build(flatbuffers::FlatBufferBuilder& bu
   const auto name = change->law ? builder.CreateString(mode.data(), mode.size())
                                 : flatbuffers::Offset<flatbuffers::String>{};
   const LinkQuality quality = change->link.value_or(LinkQuality{});
-  const wire::LinkQuality link(static_cast<float>(quality.delay),
-                               static_cast<float>(quality.jitter),
-                               static_cast<float>(quality.loss));
+  const wire::LinkQuality link(float32(quality.delay), float32(quality.jitter),
+                               float32(quality.loss));
   return wire::CreateClientChange(
       builder, change->number, name, static_cast<std::uint8_t>(law.projection),
       static_cast<std::uint8_t>(law.storage), change->link ? &link : nullptr);
@@ -138,8 +138,7 @@ Bytes Encoder::reply(const Reply& reply, const SceneView* view, bool shortened) 
       (reply.recovering ? kFlagRecovering : 0) | (shortened ? kFlagShortened : 0) |
       (std::uint32_t{reply.reloads} << kReloadsShift);
   const wire::BoundingReport report(reply.delivered.elastic, reply.delivered.frictional,
-                                    reply.delivered.torque, static_cast<float>(reply.bound.ratio),
-                                    flags, 0);
+                                    reply.delivered.torque, float32(reply.bound.ratio), flags, 0);
   const wire::Rates rates(wire_float(reply.rates.elastic), wire_float(reply.rates.frictional),
                           wire_float(reply.rates.torque));
   auto& builder = builder_->begin();

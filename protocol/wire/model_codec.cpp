@@ -23,13 +23,13 @@ wire::Patch wire_patch(const SurfacePatch& p, const Vec3& center) {
           wire_float(p.axis),
           wire_float(p.velocity),
           wire_float(p.anchor - center),
-          static_cast<float>(p.curvature),
-          static_cast<float>(p.radius),
-          static_cast<float>(m.stiffness),
-          static_cast<float>(m.damping),
-          static_cast<float>(m.static_friction),
-          static_cast<float>(m.dynamic_friction),
-          static_cast<float>(m.viscous_friction),
+          float32(p.curvature),
+          float32(p.radius),
+          float32_above_zero(m.stiffness),
+          float32(m.damping),
+          float32(m.static_friction),
+          float32(m.dynamic_friction),
+          float32(m.viscous_friction),
           p.feature,
           p.object,
           static_cast<std::uint8_t>(flags)};
@@ -84,13 +84,13 @@ flatbuffers::Offset<wire::LocalModel> build(flatbuffers::FlatBufferBuilder& buil
   std::array<float, kMaxPatches> offsets;
   bool any = false;
   for (std::size_t i = 0; i < count; ++i) {
-    offsets[i] = static_cast<float>(model.patches[i].offset);
+    offsets[i] = float32(model.patches[i].offset);
     any |= offsets[i] != 0.0F;
   }
   const auto offset_vector = any ? builder.CreateVector(offsets.data(), count)
                                  : flatbuffers::Offset<flatbuffers::Vector<float>>{};
-  return wire::CreateLocalModel(builder, &center, static_cast<float>(model.reach), vector,
-                                offset_vector, model.scene, model.surfaces);
+  return wire::CreateLocalModel(builder, &center, float32(model.reach), vector, offset_vector,
+                                model.scene, model.surfaces);
 }
 
 bool read(const wire::LocalModel& from, LocalModel& to) noexcept {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "protocol/session/client_change.hpp"
+#include "protocol/wire/wire_values.hpp"
 
 namespace feltwire {
 namespace {
@@ -18,8 +19,7 @@ wire::HandReport wire_report(const HandReport& report) {
           (report.has_account ? kFlagAccount : 0) |
               (report.change_refused ? kFlagChangeRefused : 0) |
               std::uint32_t{report.change} << kChangeShift | report.late_ticks << kLateTicksShift,
-          static_cast<float>(report.balance), static_cast<float>(report.round_trip),
-          static_cast<float>(report.hand_damping)};
+          float32(report.balance), float32(report.round_trip), float32(report.hand_damping)};
 }
 
 wire::HandTimes wire_times(const HandTimes& times) {

@@ -49,9 +49,9 @@ bool plausible(const EnergyCounters& e) {
 }
 
 wire::RobotContact wire_contact(const RemoteContact& c) {
-  return {wire_double(c.point),           wire_float(c.normal),
-          wire_float(c.velocity),         static_cast<float>(c.stiffness),
-          static_cast<float>(c.friction), c.surface,
+  return {wire_double(c.point),          wire_float(c.normal),
+          wire_float(c.velocity),        float32_above_zero(c.stiffness),
+          float32(c.friction),           c.surface,
           c.touching ? kRobotTouches : 0};
 }
 
@@ -89,8 +89,7 @@ DropReason check(const RobotState& s) {
 }  // namespace
 
 wire::Lead wire_lead(const Lead& lead) {
-  return {wire_float(lead.offset), lead.known_surface, lead.hand_work,
-          static_cast<float>(lead.gripper),
+  return {wire_float(lead.offset), lead.known_surface, lead.hand_work, float32(lead.gripper),
           (lead.deadman ? kFlagDeadman : 0) | std::uint32_t{lead.seat} << kLeadSeat};
 }
 
@@ -113,11 +112,11 @@ wire::Remote wire_remote(const Remote& r) {
           wire_double(r.pose.orientation),
           wire_contact(r.contact),
           wire_energy(r.energy),
-          static_cast<float>(r.gripper),
-          static_cast<float>(r.age),
+          float32(r.gripper),
+          float32(r.age),
           static_cast<std::uint32_t>(r.state) | (r.meets_surfaces ? 0 : kOtherMeets) |
               std::uint32_t{r.seat} << kRemoteSeat,
-          static_cast<float>(r.gripper_force)};
+          float32(r.gripper_force)};
 }
 
 bool read(const wire::Remote& from, Remote& to) noexcept {
@@ -144,8 +143,8 @@ flatbuffers::Offset<flatbuffers::Vector<const wire::RobotWall*>> build_walls(
   const auto count = static_cast<std::size_t>(std::min(remote->wall_count, kMostRemoteWalls));
   for (std::size_t i = 0; i < count; ++i) {
     const RemoteWall& w = remote->walls[i];
-    walls[i] = {w.wall.distance, wire_float(w.wall.normal), static_cast<float>(w.stiffness),
-                static_cast<float>(w.depth), w.number};
+    walls[i] = {w.wall.distance, wire_float(w.wall.normal), float32_above_zero(w.stiffness),
+                float32_above_zero(w.depth), w.number};
   }
   return builder.CreateVectorOfStructs(walls.data(), count);
 }
@@ -200,8 +199,7 @@ flatbuffers::Offset<wire::FollowerState> build(flatbuffers::FlatBufferBuilder& b
       wire_double(s.commanded.position), wire_double(s.commanded.orientation),
       wire_float(s.velocity), wire_float(s.angular_velocity),
       wire_float(s.force.value_or(Vec3::Zero())), wire_float(s.torque), wire_contact(s.contact),
-      wire_energy(s.energy), static_cast<float>(s.gripper), static_cast<float>(s.gripper_force),
-      flags, 0);
+      wire_energy(s.energy), float32(s.gripper), float32(s.gripper_force), flags, 0);
   const auto others = build_others(builder, s.others);
   return wire::CreateFollowerState(builder, &state, others);
 }
@@ -210,8 +208,7 @@ flatbuffers::Offset<wire::FollowerTarget> build(flatbuffers::FlatBufferBuilder& 
                                                 const RobotTarget& t) {
   const wire::RobotTarget target(t.index, t.sample_index, wire_double(t.pose.position),
                                  wire_double(t.pose.orientation), t.hand_work, t.known_surface,
-                                 static_cast<float>(t.gripper), static_cast<std::uint32_t>(t.state),
-                                 0);
+                                 float32(t.gripper), static_cast<std::uint32_t>(t.state), 0);
   return wire::CreateFollowerTarget(builder, &target);
 }
 

@@ -37,11 +37,11 @@ wire::HandFigures wire_figures(const HandFigures& f) {
           wire_float(f.proxy),
           wire_float(f.elastic),
           wire_float(f.frictional),
-          static_cast<float>(f.depth),
-          static_cast<float>(f.delivered),
-          static_cast<float>(f.burned),
-          static_cast<float>(report.balance),
-          static_cast<float>(report.round_trip),
+          float32(f.depth),
+          float32(f.delivered),
+          float32(f.burned),
+          float32(report.balance),
+          float32(report.round_trip),
           f.states,
           report.reasons,
           f.tool,
@@ -91,8 +91,8 @@ wire::SeenRobot wire_seen(const SeenRobot& r) {
           static_cast<std::uint32_t>(r.state),
           r.hand,
           flags,
-          static_cast<float>(r.gripper),
-          static_cast<float>(r.age)};
+          float32(r.gripper),
+          float32(r.age)};
 }
 
 std::uint32_t place(const SeenHand& hand) { return hand.number; }

@@ -1,19 +1,36 @@
 #pragma once
 // Vectors and rotations, as values and as the structs of the schema.
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 #include "core/base/types.hpp"
 #include "protocol/wire/datagram_generated.h"
 
 namespace feltwire {
 
+/// The nearest float32. A finite number beyond the range becomes the largest one: a receiver would
+/// drop a datagram with an infinity.
+inline float float32(double value) {
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  if (std::isinf(value)) return static_cast<float>(value);
+  return static_cast<float>(std::clamp(value, -kLargest, kLargest));
+}
+/// As above, for numbers that a receiver wants above zero: a smaller one than the smallest float32
+/// becomes that, not zero.
+inline float float32_above_zero(double value) {
+  constexpr float kSmallest = std::numeric_limits<float>::denorm_min();
+  return value > 0.0 ? std::max(float32(value), kSmallest) : float32(value);
+}
+
 inline wire::Vec3d wire_double(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 inline wire::Vec3f wire_float(const Vec3& v) {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+  return {float32(v.x()), float32(v.y()), float32(v.z())};
 }
 inline wire::Quatd wire_double(const Quaternion& q) { return {q.w(), q.x(), q.y(), q.z()}; }
 inline wire::Quatf wire_float(const Quaternion& q) {
-  return {static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
-          static_cast<float>(q.z())};
+  return {float32(q.w()), float32(q.x()), float32(q.y()), float32(q.z())};
 }
 
 inline Vec3 value(const wire::Vec3d& v) { return {v.x(), v.y(), v.z()}; }

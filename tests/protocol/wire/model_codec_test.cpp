@@ -94,6 +94,22 @@ DropReason verdict(const Reply& reply, Reply& out) {
   return decode(encoder.reply(reply), out);
 }
 
+// A scene may have these numbers. A drop of the reply would leave the hand without any force.
+TEST(ModelCodec, NumbersBeyondFloat32AreTheEndsOfItsRange) {
+  Generator random(5);
+  Reply sent = random_reply(random, 1), received;
+  SurfacePatch& patch = sent.model.patches[0];
+  patch.material.stiffness = 1e-300;
+  patch.curvature = -1e300;
+  ASSERT_EQ(verdict(sent, received), DropReason::none);
+  EXPECT_GT(received.model.patches[0].material.stiffness, 0.0);
+  EXPECT_LT(received.model.patches[0].material.stiffness, 1e-44);
+  EXPECT_EQ(received.model.patches[0].curvature, -std::numeric_limits<float>::max());
+  // An infinity is none of these numbers.
+  patch.curvature = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(verdict(sent, received), DropReason::not_finite);
+}
+
 TEST(ModelCodec, RoundTrip) {
   Generator random(11);
   Encoder encoder;
