@@ -10,6 +10,7 @@
 #include "core/base/written_number.hpp"
 #include "core/mesh/height_map.hpp"
 #include "core/mesh/mesh_surface.hpp"
+#include "core/mesh/thin_solid.hpp"
 #include "core/scene_file/read_parts.hpp"
 #include "core/scene_file/read_values.hpp"
 #include "core/scene_file/shown_error.hpp"
@@ -144,6 +145,8 @@ Mesh MeshLoader::load(const std::string& path, const scene_file::Mesh& mesh, boo
       warnings_.push_back(name + ": its normals look inwards; the surface was turned");
     }
     Mesh made{std::make_shared<MeshSurface>(std::move(triangles), options)};
+    if (const auto thin = warning_of_thin_solid(*made.surface); thin && !options.double_sided)
+      warnings_.push_back(name + ": " + *thin);
     if (const auto violation = check(Shape(made)))
       document_.fail(path + "." + violation->field, violation->message);
     read_parts_options(document_, path, mesh, *made.surface);
