@@ -35,6 +35,7 @@
 #include "server/app/summary.hpp"
 #include "server/app/token_command.hpp"
 #include "server/scene/answer_time.hpp"
+#include "server/scene/unreachable_objects.hpp"
 
 namespace feltwire {
 namespace {
@@ -209,6 +210,7 @@ int server_program(int argc, char** argv, const web::MakePageHands& make_page_ha
     if (!asked.explain.empty()) {
       const Scene scene = load_scene(asked.explain);
       std::vector<std::string> warnings = scene.warnings();
+      if (auto far = warning_of_unreachable_objects(scene)) warnings.push_back(*far);
       if (auto slow = warning_of_slow_answers(scene)) warnings.push_back(*slow);
       for (const std::string& warning : warnings)
         std::fprintf(stderr, "%s\n", visible(asked.explain + ": " + warning).c_str());

@@ -9,6 +9,7 @@
 #include "core/base/cancellation.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "server/scene/answer_time.hpp"
+#include "server/scene/unreachable_objects.hpp"
 
 namespace feltwire {
 namespace {
@@ -24,6 +25,8 @@ Scene warned(Scene scene, const std::filesystem::path& file) {
   for (const std::string& warning : scene.warnings())
     spdlog::warn("{}: {}", file.string(), warning);
   for (const std::string& note : scene.notes()) spdlog::info("{}: {}", file.string(), note);
+  if (const auto far = warning_of_unreachable_objects(scene))
+    spdlog::warn("{}: {}", file.string(), *far);
   if (const auto slow = warning_of_slow_answers(scene))
     spdlog::warn("{}: {}", file.string(), *slow);
   return scene;
