@@ -58,7 +58,7 @@ bool read_header(std::string_view line, HttpRequest& request) {
   if (colon == std::string_view::npos || request.headers.size() == kMostHeaders) return false;
   const std::string_view name = line.substr(0, colon), value = trimmed(line.substr(colon + 1));
   if (!is_token(name) || !is_plain(value)) return false;
-  request.headers.push_back({in_lower_case(name), std::string(value)});
+  request.headers.push_back({web::in_lower_case(name), std::string(value)});
   return true;
 }
 
