@@ -104,13 +104,14 @@ void await_client(const ServerAccess& server, const AdminWords& words, const See
     const SeenSessions sessions = sessions_of(server, seen.scene);
     const SeenSession& now = session_named(sessions, name);
     const std::string who = "the client of " + text_of(now) + " has ";
-    if (now.session.answer == ChangeAnswer::taken) {
+    if (now.session.changes.answer == ChangeAnswer::taken) {
       AnswerFields fields = fields_of(now);
-      fields.emplace_back("change", visible(now.session.asked));
-      return answer(words, write, who + "taken the change: " + visible(now.session.asked), fields);
+      fields.emplace_back("change", visible(now.session.changes.asked));
+      return answer(words, write, who + "taken the change: " + visible(now.session.changes.asked),
+                    fields);
     }
-    if (now.session.answer == ChangeAnswer::refused)
-      throw LastingError(who + "refused the change (" + now.session.asked +
+    if (now.session.changes.answer == ChangeAnswer::refused)
+      throw LastingError(who + "refused the change (" + now.session.changes.asked +
                          "): its own output says why (docs/admin.md)");
     std::this_thread::sleep_for(kBetween);
   }
