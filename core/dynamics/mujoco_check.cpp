@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "core/base/written_number.hpp"
+#include "core/dynamics/heavy_loads.hpp"
 #include "core/dynamics/mujoco_buffers.hpp"
 #include "core/dynamics/thin_contacts.hpp"
 #include "core/mesh/mesh_surface.hpp"
@@ -190,6 +191,10 @@ std::vector<std::string> warnings_of(const mjModel& model, const std::vector<mjt
   }
   for (std::string& thin : thin_contacts(model, *data, objects, object_of))
     warnings.push_back(std::move(thin));
+  if (std::string pushed = thin_pushed_bodies(model, objects, object_of); !pushed.empty())
+    warnings.push_back(std::move(pushed));
+  for (std::string& heavy : heavy_loads(model, *data, objects, object_of))
+    warnings.push_back(std::move(heavy));
   // Simulate the steps last, because they move the bodies.
   if (auto broken = first_steps(
           *simulation, [&](int body) { return name_of(model, body, objects, still, parts); }))

@@ -1,5 +1,6 @@
 #include "core/dynamics/mujoco_compile.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -174,6 +175,18 @@ void warn_of_hulls(const std::vector<Object>& objects, const mujoco::CollisionGe
   }
 }
 
+/// Refuses a body that is too small or too light for MuJoCo.
+void check_inertia(const Body& body, const MassProperties& solid, double density) {
+  const Eigen::SelfAdjointEigenSolver<Mat3> moments(density * solid.inertia,
+                                                    Eigen::EigenvaluesOnly);
+  const double least = moments.eigenvalues().minCoeff();
+  if (least > mjMINVAL) return;
+  refuse("body '" + body.name + "'",
+         {body.mass ? "mass" : "density",
+          "gives it an inertia of " + rounded(least) + " kg m^2, must be above " +
+              rounded(mjMINVAL) + "; make it larger or heavier, or check the unit of its objects"});
+}
+
 std::string model_text(const std::vector<Object>& objects, const std::vector<int>& body_of,
                        const std::vector<Body>& bodies, const MechanismOptions& options,
                        const mujoco::ObjectSolids& solids, std::vector<std::string>& warnings) {
@@ -210,6 +223,7 @@ std::string model_text(const std::vector<Object>& objects, const std::vector<int
     const std::vector<std::size_t>& own = own_objects[b];
     const MassProperties solid = solid_of(body, objects, own);
     const double density = body.mass ? *body.mass / solid.volume : *body.density;
+    check_inertia(body, solid, density);
     if (!std::ranges::all_of(own, [&](std::size_t i) { return geoms.is_exact(i); }))
       xml += inertial(solid, density);
     std::string more = attribute("density", number_text(density));

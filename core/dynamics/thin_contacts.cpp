@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <utility>
 
 #include "core/base/written_number.hpp"
+#include "core/dynamics/geom_extent.hpp"
 #include "core/dynamics/mujoco_error_trap.hpp"
 #include "core/scene/mechanism.hpp"
 
@@ -22,53 +24,6 @@ struct GeomExtent {
   bool endless;      // true for a plane, because no body falls through it
   bool thin;         // true if an object may be too fast for this thickness
 };
-
-/// Returns half the extent [m] of a geom along a direction in the geom's frame.
-double half_extent(const mjModel& model, int geom, const Vec3& own) {
-  const Vec3 size = vector(entry<3>(model.geom_size, geom));
-  switch (model.geom_type[geom]) {
-    case mjGEOM_SPHERE:
-      return size.x();
-    case mjGEOM_CAPSULE:
-      return size.x() + size.y() * std::abs(own.z());
-    case mjGEOM_CYLINDER:
-      return size.x() * std::hypot(own.x(), own.y()) + size.y() * std::abs(own.z());
-    case mjGEOM_ELLIPSOID:
-      return own.cwiseProduct(size).norm();
-    case mjGEOM_BOX:
-      return own.cwiseAbs().dot(size);
-    case mjGEOM_MESH: {
-      const int mesh = model.geom_dataid[geom];
-      const float* v = model.mesh_vert + std::ptrdiff_t{3} * model.mesh_vertadr[mesh];
-      double low = std::numeric_limits<double>::infinity(), high = -low;
-      for (int i = 0; i < model.mesh_vertnum[mesh]; ++i, v += 3) {
-        const double at = own.dot(Vec3(v[0], v[1], v[2]));
-        low = std::min(low, at);
-        high = std::max(high, at);
-      }
-      return 0.5 * (high - low);
-    }
-    default:
-      return model.geom_rbound[geom];
-  }
-}
-
-/// Returns half the extent [m] of a geom along a direction in the world frame.
-double half_extent_along(const mjModel& model, const mjData& data, int geom, const Vec3& along) {
-  const mjtNum* const turn = entry<9>(data.geom_xmat, geom);
-  const Vec3 own(turn[0] * along.x() + turn[3] * along.y() + turn[6] * along.z(),
-                 turn[1] * along.x() + turn[4] * along.y() + turn[7] * along.z(),
-                 turn[2] * along.x() + turn[5] * along.y() + turn[8] * along.z());
-  return half_extent(model, geom, own);
-}
-
-/// Returns half the least extent [m] of a geom. Each primitive is thinnest along one of its axes.
-/// This is nearly true for a mesh too, because MuJoCo aligns a mesh with its principal axes of
-/// inertia.
-double half_thickness(const mjModel& model, int geom) {
-  return std::min({half_extent(model, geom, Vec3::UnitX()), half_extent(model, geom, Vec3::UnitY()),
-                   half_extent(model, geom, Vec3::UnitZ())});
-}
 
 /// Returns the depth [m] of the surface of geom `surface_of` below the centre of geom `middle_of`,
 /// or a negative value if the surface is not below the centre.
@@ -91,40 +46,6 @@ double thickness_of(const mjModel& model, const GeomExtent& a, const GeomExtent&
   if (kinds[0] == mjGEOM_CAPSULE && kinds[1] == mjGEOM_BOX) return a.thickness;
   if (kinds[0] == mjGEOM_BOX && kinds[1] == mjGEOM_CAPSULE) return b.thickness;
   return a.thickness + b.thickness;
-}
-
-/// Returns true if gravity moves a body. This holds if the body or one of its parents is free, or
-/// slides along `up`.
-bool falls(const mjModel& model, const mjData& data, int body, const Vec3& up) {
-  constexpr double kAlong = 0.1;
-  for (; body != 0; body = model.body_parentid[body])
-    for (int j = 0; j < model.body_jntnum[body]; ++j) {
-      const int joint = model.body_jntadr[body] + j;
-      if (model.jnt_type[joint] == mjJNT_FREE) return true;
-      if (model.jnt_type[joint] == mjJNT_SLIDE &&
-          std::abs(vector(entry<3>(data.xaxis, joint)).dot(up)) > kAlong)
-        return true;
-    }
-  return false;
-}
-
-bool meet(const mjModel& model, int a, int b) {
-  if (model.geom_bodyid[a] == model.geom_bodyid[b]) return false;
-  return (model.geom_contype[a] & model.geom_conaffinity[b]) != 0 ||
-         (model.geom_contype[b] & model.geom_conaffinity[a]) != 0;
-}
-
-/// Returns true if the vertical projections of two geoms may overlap.
-bool overlap(const mjModel& model, const mjData& data, int a, int b, const Vec3& up) {
-  const Vec3 apart = vector(entry<3>(data.geom_xpos, a)) - vector(entry<3>(data.geom_xpos, b));
-  return (apart - up.dot(apart) * up).norm() <= model.geom_rbound[a] + model.geom_rbound[b];
-}
-
-/// Returns the time constant [s] of the contact between two geoms.
-double contact_time(const mjModel& model, int a, int b) {
-  const auto of = [&](int geom) { return model.geom_solref[std::ptrdiff_t{mjNREF} * geom]; };
-  const double shortest = 2.0 * model.opt.timestep;  // MuJoCo's shortest time constant
-  return std::max({of(a), of(b), shortest});
 }
 
 /// Returns the longest time constant [s] of any contact.
@@ -196,7 +117,8 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
     highest = std::max(highest, middle + half);
   }
   // Nothing in the scene can fall faster than `fastest`, so thicker bodies need no check.
-  const double fastest = std::sqrt(2.0 * gravity * std::max(0.0, highest - lowest));
+  const double fastest =
+      std::max(std::sqrt(2.0 * gravity * std::max(0.0, highest - lowest)), gravity * tick);
   const double slowest_hold = held_speed(1.0, longest_contact_time(model), tick);
   for (GeomExtent& s : seen) s.thin = !s.endless && slowest_hold * s.thickness < fastest;
 
@@ -237,7 +159,8 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
       fall.topple = std::min(fall.height, 0.5 * (a.high - a.low - a.thickness));
       // If the lower body falls too, it may be at rest when the upper body arrives.
       if (b.falls) fall.height += drop_of(b);
-      fall.speed = std::sqrt(2.0 * gravity * fall.height);
+      // A body that begins on another one is faster by a tick of gravity when it is found there.
+      fall.speed = std::max(std::sqrt(2.0 * gravity * fall.height), gravity * tick);
       const double margin = std::max(model.geom_margin[a.geom], model.geom_margin[b.geom]);
       fall.held = held_speed(thickness + 2.0 * margin, contact_time(model, a.geom, b.geom), tick);
       if (fall.speed <= fall.held) continue;
@@ -255,6 +178,67 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
     warnings.push_back(std::to_string(more) +
                        " more pairs of bodies are too thin for the speed at which they meet");
   return warnings;
+}
+
+std::string thin_pushed_bodies(const mjModel& model, const std::vector<Object>& objects,
+                               const std::vector<int>& object_of) {
+  struct Part {
+    int geom;
+    double thickness;  // [m]
+    bool moves;
+  };
+  const double tick = model.opt.timestep;
+  // Two bodies are thick enough if they hold a hand's speed at the longest time of a contact.
+  const double thick = kPushedSpeed / held_speed(1.0, longest_contact_time(model), tick);
+  std::vector<Part> thin;
+  for (int g = 0; g < model.ngeom; ++g) {
+    if (object_of[static_cast<std::size_t>(g)] < 0 || model.geom_type[g] == mjGEOM_HFIELD ||
+        model.geom_type[g] == mjGEOM_PLANE)
+      continue;
+    const double thickness = 2.0 * half_thickness(model, g);
+    if (thickness < thick)
+      thin.push_back({g, thickness, model.body_weldid[model.geom_bodyid[g]] != 0});
+  }
+  // The thinnest pairs come first.
+  std::ranges::sort(thin, {},
+                    [](const Part& part) { return std::pair(part.thickness, part.geom); });
+  constexpr std::size_t kMostPairs = 2'000'000;
+  std::size_t pairs = 0, count = 0;
+  double slowest = kPushedSpeed, needed = 0.0;
+  const Part *first = nullptr, *second = nullptr;
+  for (std::size_t i = 0; i < thin.size() && pairs < kMostPairs; ++i)
+    for (std::size_t k = i + 1; k < thin.size() && pairs < kMostPairs; ++k, ++pairs) {
+      const Part &a = thin[i], &b = thin[k];
+      if (a.thickness + b.thickness >= thick) break;
+      if ((!a.moves && !b.moves) || !meet(model, a.geom, b.geom)) continue;
+      const double margin = std::max(model.geom_margin[a.geom], model.geom_margin[b.geom]);
+      const double contact = contact_time(model, a.geom, b.geom);
+      const double held = held_speed(a.thickness + b.thickness + 2.0 * margin, contact, tick);
+      if (held >= kPushedSpeed) continue;
+      ++count;
+      if (first != nullptr && held >= slowest) continue;
+      slowest = held;
+      needed = kPushedSpeed / held_speed(1.0, contact, tick);
+      first = &a;
+      second = &b;
+    }
+  if (first == nullptr) return {};
+  const auto shown = [&](const Part& part) {
+    const int object = object_of[static_cast<std::size_t>(part.geom)];
+    return "'" + objects[static_cast<std::size_t>(object)].name + "' (" +
+           printed("%.3g mm", 1e3 * part.thickness) + " thick)";
+  };
+  const double share = slowest / kPushedSpeed;
+  std::string text = "objects " + shown(*first) + " and " + shown(*second) + ": with a tick of " +
+                     printed("%.3g ms", 1e3 * tick) + " they hold each other up to " +
+                     printed("%.3g m/s", slowest) + ", so a hand that pushes one of them with " +
+                     printed("%.3g m/s", kPushedSpeed) +
+                     " can push it through the other; make them at least " +
+                     printed("%.3g mm", 1e3 * needed) + " thick together";
+  if (share * tick >= kLeastTick)
+    text += ", or give a tick of at most " + printed("%.2g s", share * tick);
+  if (count > 1) text += "; " + std::to_string(count - 1) + " more pairs are so thin";
+  return text;
 }
 
 }  // namespace feltwire::mujoco
