@@ -83,7 +83,7 @@ TEST_F(DeviceFile, TellsTheLagOfItsMotorAndItsKind) {
   EXPECT_EQ(late.actuation.late_ticks, 1);
 }
 
-/// Of several motors the latest counts, and of several directions the softest.
+/// The latest of several motors counts, and the softest of several directions.
 TEST_F(DeviceFile, TellsLagsOfEachMotorAndAMatrixOfTheTransmission) {
   const auto with = [](const std::string& fields) {
     return R"({"name": "mine", "damping": [1], "max_force": 3, "workspace": [1, 1, 1],)" + fields +
