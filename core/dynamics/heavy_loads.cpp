@@ -1,11 +1,10 @@
 #include "core/dynamics/heavy_loads.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
 
+#include "core/base/written_number.hpp"
 #include "core/dynamics/geom_extent.hpp"
 #include "core/dynamics/mujoco_error_trap.hpp"
 #include "core/scene/mechanism.hpp"
@@ -15,13 +14,6 @@ namespace {
 
 // Largest yield that is not reported, as a share of the light body's height.
 constexpr double kNotableYield = 0.05;
-
-template <class... Numbers>
-std::string load_number(const char* format, Numbers... numbers) {
-  std::array<char, 96> text{};
-  std::snprintf(text.data(), text.size(), format, numbers...);
-  return text.data();
-}
 
 /// A geom of a body that gravity moves.
 struct LoadedGeom {
@@ -90,14 +82,14 @@ std::vector<std::string> heavy_loads(const mjModel& model, const mjData& data,
       return "'" + objects[static_cast<std::size_t>(object)].name + "'";
     };
     const double share = kNotableYield * height / yield;
-    std::string text = "object " + name(*heaviest) + " (" + load_number("%.3g kg", heaviest->mass) +
-                       ") is above " + name(light) + " (" + load_number("%.3g kg", light.mass) +
-                       ", " + load_number("%.3g mm", 1e3 * height) +
+    std::string text = "object " + name(*heaviest) + " (" + printed("%.3g kg", heaviest->mass) +
+                       ") is above " + name(light) + " (" + printed("%.3g kg", light.mass) +
+                       ", " + printed("%.3g mm", 1e3 * height) +
                        " high): where it stands on it, it may sink into what is below by up to " +
-                       load_number("%.3g mm", 1e3 * yield) + "; make the light one at least " +
-                       load_number("%.2g kg", light.mass / share);
+                       printed("%.3g mm", 1e3 * yield) + "; make the light one at least " +
+                       printed("%.2g kg", light.mass / share);
     if (std::sqrt(share) * tick >= kLeastTick)
-      text += ", or give a tick of at most " + load_number("%.2g s", std::sqrt(share) * tick);
+      text += ", or give a tick of at most " + printed("%.2g s", std::sqrt(share) * tick);
     warnings.push_back(text);
   }
   if (more > 0)
