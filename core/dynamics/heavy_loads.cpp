@@ -83,8 +83,8 @@ std::vector<std::string> heavy_loads(const mjModel& model, const mjData& data,
     };
     const double share = kNotableYield * height / yield;
     std::string text = "object " + name(*heaviest) + " (" + printed("%.3g kg", heaviest->mass) +
-                       ") is above " + name(light) + " (" + printed("%.3g kg", light.mass) +
-                       ", " + printed("%.3g mm", 1e3 * height) +
+                       ") is above " + name(light) + " (" + printed("%.3g kg", light.mass) + ", " +
+                       printed("%.3g mm", 1e3 * height) +
                        " high): where it stands on it, it may sink into what is below by up to " +
                        printed("%.3g mm", 1e3 * yield) + "; make the light one at least " +
                        printed("%.2g kg", light.mass / share);
