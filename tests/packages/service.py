@@ -130,6 +130,7 @@ def main():
         options.write("FELTWIRE_SERVER_REAL_TIME=true\n")
     systemctl("start", UNIT)
     print(f"stopped, and started with {real_time(int(value('MainPID')))}")
+    os.environ["HOME"] = pwd.getpwuid(0).pw_dir  # as the shell of an admin has it
     page = pathlib.Path("/usr/share/doc/feltwire-doc/docs/operations.md")
     print(f"{paste(page)} commands of {page} typed")
     if value("ActiveState") != "active":
