@@ -20,6 +20,7 @@
 #include "sim/measure/fidelity.hpp"
 #include "sim/measure/network_run.hpp"
 #include "sim/measure/surfaces.hpp"
+#include "sim/published_laws/published_laws.hpp"
 #include "sim/studies/bound/figures.hpp"
 
 namespace feltwire {
