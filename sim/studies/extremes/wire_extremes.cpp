@@ -279,7 +279,7 @@ void press_plane(Session& session, std::uint64_t first_index, const std::vector<
     if (taken.drop != DropReason::none) ++cell.holes;
     const Command& command = taken.reply.command;
     // A time that jumps by centuries is refused: no force in that sample.
-    if (taken.reply.refused) {
+    if (taken.reply.bound.refused) {
       cell.judge(command.finite(), 0.0, command.force().isZero(0.0));
       continue;
     }
