@@ -14,6 +14,7 @@
 #include "sim/studies/bound/rate.hpp"
 #include "sim/studies/bound/torque_figures.hpp"
 #include "sim/studies/bound/zwidth.hpp"
+#include "sim/studies/fleet/fleet_scenarios.hpp"
 #include "sim/studies/network/deadband_study.hpp"
 #include "sim/studies/network/local_model_study.hpp"
 #include "sim/studies/network/where_to_bound.hpp"
@@ -304,6 +305,19 @@ void add_local_model(CLI::App& app) {
       });
 }
 
+void add_fleet(CLI::App& app) {
+  add_study(
+      app, "fleet", "fleet",
+      "Simulate a fleet of hosts: lost racks, a lost directory, a partition, restarts",
+      "Runs 10,000 scenes with a million hands in virtual time. Writes fleet.json, which is\n"
+      "deterministic. docs/fleet.md explains the results and names the source of each number.",
+      "The numbers", [](const std::string& out) {
+        const fleet::FleetStudy study = fleet::run_fleet({});
+        fleet::write_fleet(out, study);
+        return fleet::fleet_table(study);
+      });
+}
+
 void add_teleop(CLI::App& app) {
   struct Options {
     std::string out = "teleop";
@@ -344,6 +358,7 @@ void add_studies(CLI::App& app, int& status) {
   add_where_to_bound(app, status);
   add_deadband(app);
   add_local_model(app);
+  add_fleet(app);
   add_teleop(app);
   add_trade(app);
 }
