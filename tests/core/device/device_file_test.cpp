@@ -89,19 +89,19 @@ TEST_F(DeviceFile, TellsLagsOfEachMotorAndAMatrixOfTheTransmission) {
     return R"({"name": "mine", "damping": [1], "max_force": 3, "workspace": [1, 1, 1],)" + fields +
            "}";
   };
-  EXPECT_EQ(load(with(R"("actuation_lags": [1e-4, 3e-4, 2e-4])")).actuation_lag, 3e-4);
-  EXPECT_EQ(load(with(R"("actuation_lags": [1e-4, 3e-4, 2e-4, 0, 5e-4, 0])")).actuation_lag, 5e-4);
+  EXPECT_EQ(load(with(R"("actuation_lags": [1e-4, 3e-4, 2e-4])")).actuation.lag, 3e-4);
+  EXPECT_EQ(load(with(R"("actuation_lags": [1e-4, 3e-4, 2e-4, 0, 5e-4, 0])")).actuation.lag, 5e-4);
   EXPECT_TRUE(sourced_spec(file_.string()).tells_lag);
   EXPECT_THAT(error(with(R"("actuation_lags": [1e-4])")), HasSubstr("three numbers"));
   EXPECT_THAT(error(with(R"("actuation_lags": [1e-4, 0, -1e-4])")), HasSubstr("zero or more"));
   EXPECT_THAT(error(with(R"("actuation_lag": 1e-4, "actuation_lags": [1e-4, 0, 0])")),
               HasSubstr("give one of the two"));
   const DeviceSpec soft = load(with(R"("transmission_stiffness_matrix": [8e3, 5e3, 9e3])"));
-  EXPECT_EQ(soft.transmission_stiffness, 5e3);
+  EXPECT_EQ(soft.transmission.stiffness, 5e3);
   EXPECT_TRUE(sourced_spec(file_.string()).tells_transmission);
   const DeviceSpec turned =
       load(with(R"("transmission_stiffness_matrix": [6e3, 2e3, 0, 2e3, 6e3, 0, 0, 0, 9e3])"));
-  EXPECT_NEAR(turned.transmission_stiffness, 4e3, 1e-6);
+  EXPECT_NEAR(turned.transmission.stiffness, 4e3, 1e-6);
 }
 
 TEST_F(DeviceFile, TellsTheTransmissionAndTheSideOfTheEncoder) {
