@@ -233,7 +233,7 @@ std::string thin_pushed_bodies(const mjModel& model, const std::vector<Object>& 
                      printed("%.3g ms", 1e3 * tick) + " they hold each other up to " +
                      printed("%.3g m/s", slowest) + ", so a hand that pushes one of them with " +
                      printed("%.3g m/s", kPushedSpeed) +
-                     " can push it through the other; make them at least " +
+                     " may push it through the other; make them at least " +
                      printed("%.3g mm", 1e3 * needed) + " thick together";
   if (share * tick >= kLeastTick)
     text += ", or give a tick of at most " + printed("%.2g s", share * tick);

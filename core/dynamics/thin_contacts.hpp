@@ -22,7 +22,7 @@ std::vector<std::string> thin_contacts(const mjModel& model, const mjData& data,
 /// [m/s] A hand that moves an object is about this fast: a device reaches 1 to 2 m/s.
 inline constexpr double kPushedSpeed = 1.0;
 
-/// Finds the bodies so thin that a hand can push one through the other, with kPushedSpeed. Says the
+/// Finds the bodies so thin that a hand may push one through the other, with kPushedSpeed. Says the
 /// pair that holds the least speed, and the number of the others. Empty: there is no such pair.
 std::string thin_pushed_bodies(const mjModel& model, const std::vector<Object>& objects,
                                const std::vector<int>& object_of);

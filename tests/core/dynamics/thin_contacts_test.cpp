@@ -84,7 +84,7 @@ TEST(ThinContacts, APlateThatFallsThroughABoardIsSaidWithNumbersAndRemedy) {
 std::vector<std::string> push_warnings(const Scene& scene) {
   std::vector<std::string> pushed;
   for (const std::string& warning : scene.warnings())
-    if (warning.find("can push it through the other") != std::string::npos)
+    if (warning.find("may push it through the other") != std::string::npos)
       pushed.push_back(warning);
   return pushed;
 }
@@ -115,11 +115,11 @@ TEST(ThinContacts, APlateThatAHandCanPushThroughABoardIsSaid) {
                   HasSubstr("objects 'plate' (1 mm thick) and 'board' (3 mm thick): with a tick of "
                             "1 ms they hold each other up to 0.803 m/s"),
                   HasSubstr("at least 4.98 mm thick together"), HasSubstr("a tick of at most"))));
-  // The start decides whether a tick finds the plate in the board or beyond it.
-  int pushed = 0;
+  // Whatever makes the plate as fast, here a longer fall: the start decides whether it passes.
+  int passed = 0;
   for (int i = 0; i < 16; ++i)
-    pushed += is_pushed_through({.board = 0.003, .height = 0.02 + 0.0003 * i}, 3.0, 0.04) ? 1 : 0;
-  EXPECT_GT(pushed, 0);
+    passed += holds({.board = 0.003, .height = 0.5 + 0.0003 * i}) ? 0 : 1;
+  EXPECT_GT(passed, 0);
 }
 
 TEST(ThinContacts, BodiesThatHoldAHandAreNotSaid) {
