@@ -5,7 +5,6 @@
 // processes can therefore never hold the same epoch, even if a directory has lost the writes that
 // told them of each other.
 
-#include <compare>
 #include <cstdint>
 
 namespace feltwire {
@@ -19,7 +18,13 @@ struct Epoch {
   std::uint64_t term = 0;  // 0: nobody has owned the scene yet
   HostNumber holder = 0;   // the only process that takes joins at this epoch
 
-  friend auto operator<=>(const Epoch&, const Epoch&) = default;
+  friend bool operator==(const Epoch&, const Epoch&) = default;
+  friend constexpr bool operator<(const Epoch& a, const Epoch& b) noexcept {
+    return a.term != b.term ? a.term < b.term : a.holder < b.holder;
+  }
+  friend constexpr bool operator>(const Epoch& a, const Epoch& b) noexcept { return b < a; }
+  friend constexpr bool operator<=(const Epoch& a, const Epoch& b) noexcept { return !(b < a); }
+  friend constexpr bool operator>=(const Epoch& a, const Epoch& b) noexcept { return !(a < b); }
 };
 
 /// The lowest epoch of this holder that is above `highest`, whoever holds that.

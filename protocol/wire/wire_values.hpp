@@ -25,8 +25,9 @@ inline float float32_above_zero(double value) {
 }
 
 inline wire::Vec3d wire_double(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+/// Of vectors no component becomes the end of the range: a force that large is no force.
 inline wire::Vec3f wire_float(const Vec3& v) {
-  return {float32(v.x()), float32(v.y()), float32(v.z())};
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 inline wire::Quatd wire_double(const Quaternion& q) { return {q.w(), q.x(), q.y(), q.z()}; }
 inline wire::Quatf wire_float(const Quaternion& q) {

@@ -81,6 +81,7 @@ void DemoHands::start(const DemoHandsSetup& setup, const std::string& scene,
                                     "--changes",
                                     "any"};
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   const SpawnSettings settings(setup.logs / ("demo-" + std::to_string(hands_.size() + 1) + ".log"));

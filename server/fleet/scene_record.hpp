@@ -2,7 +2,6 @@
 // The records of a scene and of a host, as the directory keeps them.
 
 #include <array>
-#include <compare>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -30,7 +29,19 @@ struct RecordVersion {
   Epoch epoch;
   std::uint64_t change = 0;  // counted by the holder; 0: there is no record
 
-  friend auto operator<=>(const RecordVersion&, const RecordVersion&) = default;
+  friend bool operator==(const RecordVersion&, const RecordVersion&) = default;
+  friend constexpr bool operator<(const RecordVersion& a, const RecordVersion& b) noexcept {
+    return a.epoch == b.epoch ? a.change < b.change : a.epoch < b.epoch;
+  }
+  friend constexpr bool operator>(const RecordVersion& a, const RecordVersion& b) noexcept {
+    return b < a;
+  }
+  friend constexpr bool operator<=(const RecordVersion& a, const RecordVersion& b) noexcept {
+    return !(b < a);
+  }
+  friend constexpr bool operator>=(const RecordVersion& a, const RecordVersion& b) noexcept {
+    return !(a < b);
+  }
 };
 
 /// The record of a scene.

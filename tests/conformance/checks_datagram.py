@@ -102,7 +102,8 @@ def reserved(server, hand):
 @check("S-206", "no such session here.")
 @with_hand
 def session(server, hand):
-    wrong = [hand.seal(hand.payload([hand.sample()]), session=s) for s in (0, hand.session ^ 1, 2**64 - 1)]
+    scene = hand.session & 0xFF  # other low bytes may name other scenes, which count for themselves
+    wrong = [hand.seal(hand.payload([hand.sample()]), session=s) for s in (scene, hand.session ^ 0x100, 2**64 - 0x100 + scene)]
     return expect_dropped(server, hand, wrong, "session")
 
 
@@ -248,7 +249,7 @@ def stale(server, hand):
 def first_that_fails(server, hand):
     hand.packet = 2000
     hand.ask()
-    nan, good = math.nan, hand.payload([hand.sample()])
+    nan, good, other = math.nan, hand.payload([hand.sample()]), hand.session ^ 0x100
 
     def sealed(samples, **fields):
         return hand.seal(hand.payload(samples, **fields))
@@ -257,7 +258,7 @@ def first_that_fails(server, hand):
     # Each one fails the check that it stands under and the next one that a datagram can fail with it.
     both = [("size", hand.seal(b"", magic=b"xx", packet=700)[:39]), ("magic", hand.seal(good, magic=b"xx", version=9)),
             ("version", hand.seal(good, version=9, kind=9)), ("kind", hand.seal(good, kind=9, reserved=1)),
-            ("reserved", hand.seal(good, reserved=1, session=5)), ("session", hand.seal(good, session=5, packet=0)),
+            ("reserved", hand.seal(good, reserved=1, session=other)), ("session", hand.seal(good, session=other, packet=0)),
             ("packet_number", damaged(hand.seal(good, packet=1), 60)), ("sealed", damaged(hand.seal(b"\xff" * 30), 50)),
             ("count", sealed([many[0], *many])), ("order", sealed([{**many[1], **bad_place}, many[0]])),
             ("not_finite", sealed([{**hand.sample(index=1), **bad_place}]))]

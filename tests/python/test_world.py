@@ -73,7 +73,7 @@ class Worlds(unittest.TestCase):
     def test_wrong_values_are_named(self):
         with self.assertRaisesRegex(ValueError, "stiffness"):
             feltwire.World(stiffness=0.0)
-        for option in ({"token_file": "token"}, {"local_model": False}, {"local_model": True}, {"link": "delay=1"}):
+        for option in ({"token_file": "token"}, {"local_model": "off"}, {"local_model": True}, {"link": "delay=1"}):
             with self.assertRaisesRegex(ValueError, f"^{next(iter(option))}(=False)? needs a server: leave it out"):
                 feltwire.World(**OPTIONS, **option)
         with self.assertRaisesRegex(ValueError, "pth"):
