@@ -84,6 +84,11 @@ ExtremeCell fall(const BodyStress& stress) {
   return cell;
 }
 
+/// Returns the number of ticks in `duration` [s].
+long ticks_in(double duration, double tick) {
+  return static_cast<long>(std::ceil(duration / tick));
+}
+
 /// [m] A contact or a stop yields to a speed by its time constant over e, and some ticks until it
 /// is seen (core/dynamics/thin_contacts.hpp).
 double yield_of(double speed, double tick) {
@@ -105,7 +110,7 @@ ExtremeCell slide_stop(const BodyStress& stress) {
                                {sliding}, stress);
   World world(scene);
   const double most = yield_of(std::sqrt(2.0 * kGravity * kRange), stress.tick);
-  for (double time = 0.0; time < 1.0; time += stress.tick) {
+  for (long ticks = ticks_in(1.0, stress.tick); ticks > 0; --ticks) {
     world.step();
     const Pose& pose = world.objects()[0].pose;
     const double beyond = std::max({0.0, -kRange - pose.position.z(), pose.position.z()});
@@ -135,7 +140,7 @@ ExtremeCell hinge_stop(const BodyStress& stress) {
   const double most = yield_of(speed, stress.tick);
   const double limit = std::min(World::kLargestTurn, World::kLargestSpeed / size);
   const double time_needed = 20.0 / speed;
-  for (double time = 0.0; time < std::min(1.0, time_needed); time += stress.tick) {
+  for (long ticks = ticks_in(std::min(1.0, time_needed), stress.tick); ticks > 0; --ticks) {
     world.step();
     const Quaternion& turn = world.objects()[0].pose.orientation;
     const double angle = 2.0 * std::atan2(turn.y(), turn.w());
@@ -163,7 +168,7 @@ ExtremeCell rest(const BodyStress& stress) {
       {still_object("floor", Plane{}), still_object("box", Box{Vec3::Constant(half)}, place)},
       {-1, 0}, {free_body("box", stress.mass, place)}, stress);
   World world(scene);
-  for (double time = 0.0; time < 1.0; time += stress.tick) {
+  for (long ticks = ticks_in(1.0, stress.tick); ticks > 0; --ticks) {
     world.step();
     const Pose& pose = world.objects()[1].pose;
     cell.judge(is_finite(pose),
@@ -186,7 +191,7 @@ ExtremeCell pile(const BodyStress& stress) {
       stress);
   cell.warned = warning_with(scene, {"may sink", "hold each other", "breaks"});
   World world(scene);
-  for (double time = 0.0; time < 1.0; time += stress.tick) {
+  for (long ticks = ticks_in(1.0, stress.tick); ticks > 0; --ticks) {
     world.step();
     const Pose& pose = world.objects()[2].pose;
     cell.judge(is_finite(pose), std::max(0.0, 3.0 * half - pose.position.z()) / stress.size);
@@ -214,8 +219,7 @@ ExtremeCell momentum(const BodyStress& stress) {
   World world(scene);
   TouchMemory memory = world.view().memory();
   BodyContactState contacts = world.contact_state();
-  double time = 0.0;
-  for (int n = 0; n < 20; ++n, time += stress.tick) {
+  for (int n = 0; n < 20; ++n) {
     const Vec3 hand(-radius * (1.2 - 0.4 * std::min(1.0, n / 10.0)), 0.0, 0.0);
     const Command felt = world.touch({hand, Vec3::Zero()}, memory, contacts);
     cell.judge(felt.finite(), 0.0);
@@ -226,8 +230,8 @@ ExtremeCell momentum(const BodyStress& stress) {
   const Vec3 pushed = world.momentum();
   if (!(length(pushed) > 0.0)) ++cell.holes;
   const double speed = length(pushed) / stress.mass;
-  const double until = time + std::min(5.0, 8.0 * radius / speed);
-  for (; time < until; time += stress.tick) {
+  const double duration = std::min(5.0, 8.0 * radius / speed);
+  for (long ticks = ticks_in(duration, stress.tick); ticks > 0; --ticks) {
     world.step();
     cell.judge(is_finite(world.objects()[0].pose) && is_finite(world.objects()[1].pose),
                length(Vec3(world.momentum() - pushed)) / length(pushed));

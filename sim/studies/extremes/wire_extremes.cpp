@@ -310,8 +310,9 @@ void add_rates(ExtremeMatrix& matrix) {
   for (const double period : kPeriods)
     add_session(matrix, stress_name("rate", 1.0 / period, "Hz"), period,
                 [&](Session& session, ExtremeCell& cell) {
-                  std::vector<Nanoseconds> times;
-                  for (int n = 0; n < 1000; ++n) times.push_back(from_seconds(n * period));
+                  std::vector<Nanoseconds> times(1000);
+                  for (std::size_t n = 0; n < times.size(); ++n)
+                    times[n] = from_seconds(static_cast<double>(n) * period);
                   press_plane(session, 1, times, cell);
                 });
 }
@@ -322,8 +323,9 @@ void add_wraps(ExtremeMatrix& matrix) {
                  kLeast = std::numeric_limits<std::int64_t>::min();
   constexpr std::int64_t kMillisecond = 1'000'000;
   add_session(matrix, "index up to 2^64 - 1", 1e-3, [&](Session& session, ExtremeCell& cell) {
-    std::vector<Nanoseconds> times;
-    for (int n = 0; n < 16; ++n) times.emplace_back(n * kMillisecond);
+    std::vector<Nanoseconds> times(16);
+    for (std::size_t n = 0; n < times.size(); ++n)
+      times[n] = Nanoseconds(static_cast<std::int64_t>(n) * kMillisecond);
     press_plane(session, kLast - 15, times, cell);
     // The last index is not followed by another: a sample that begins anew is stale, not taken.
     if (session.take(batch_of(Vec3::Zero(), 1), Nanoseconds(0)).drop != DropReason::stale)
