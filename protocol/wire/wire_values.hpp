@@ -25,7 +25,8 @@ inline float float32_above_zero(double value) {
 }
 
 inline wire::Vec3d wire_double(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-/// Of vectors no component becomes the end of the range: a force that large is no force.
+/// No component becomes the end of the range, as float32() makes it: a force that large is no
+/// force.
 inline wire::Vec3f wire_float(const Vec3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }

@@ -61,11 +61,9 @@ DemoHands::DemoHands(const DemoHandsSetup& setup) {
 
 void DemoHands::start(const DemoHandsSetup& setup, const std::string& scene,
                       const std::string& name, const std::string& device) {
-  const std::string host =
-      setup.host.find(':') == std::string::npos ? setup.host : "[" + setup.host + "]";
   std::vector<std::string> words = {setup.client.string(),
                                     "--connect",
-                                    host + ":" + std::to_string(setup.port),
+                                    setup.server,
                                     "--fingerprint",
                                     setup.fingerprint,
                                     "--token-file",

@@ -3,7 +3,6 @@
 
 #include <sys/types.h>
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -12,8 +11,7 @@ namespace feltwire {
 
 struct DemoHandsSetup {
   std::filesystem::path client;          // the program feltwire-client
-  std::string host;                      // address of the control port from this machine
-  std::uint16_t port = 0;                // of the control port
+  std::string server;                    // HOST:PORT of the control port from this machine
   std::string fingerprint;               // of the server's certificate
   std::filesystem::path token;           // file with a token that opens the scenes
   std::filesystem::path logs;            // folder for what the hands say

@@ -85,19 +85,19 @@ std::string client_program() {
   return shell_word(beside.string());
 }
 
-/// Returns the address at which this machine reaches the server.
-std::string host_of(const ServerConfig& config) {
-  return asio::ip::make_address(config.address).is_unspecified() ? "127.0.0.1" : config.address;
+/// Returns HOST:PORT of the control port from this machine.
+std::string control_address(const ServerConfig& config, const Server& server) {
+  const bool any = asio::ip::make_address(config.address).is_unspecified();
+  const std::string host = any ? "127.0.0.1" : config.address;
+  return (host.find(':') == std::string::npos ? host : "[" + host + "]") + ":" +
+         std::to_string(server.control_port());
 }
 
 /// Returns the command line with which a client on this machine joins.
 std::string join_line(const ServerConfig& config, const Server& server) {
-  const std::string host = host_of(config);
   const auto token = local_token_file(config);
   const bool has_token = !token.empty() && std::filesystem::exists(token);
-  return client_program() + " --connect " +
-         (host.find(':') == std::string::npos ? host : "[" + host + "]") + ":" +
-         std::to_string(server.control_port()) + " --scene " +
+  return client_program() + " --connect " + control_address(config, server) + " --scene " +
          shell_word(server.scenes().front().scene) + " --fingerprint " +
          to_string(server.fingerprint()) + " --token-file " +
          (has_token ? shell_word(std::filesystem::absolute(token).string()) : "FILE");
@@ -123,8 +123,7 @@ void print_ready(const ServerConfig& config, const Server& server) {
 std::unique_ptr<DemoHands> start_demo(const ServerConfig& config, const Server& server) {
   if (!config.demo) return nullptr;
   DemoHandsSetup setup{.client = client_beside(),
-                       .host = host_of(config),
-                       .port = server.control_port(),
+                       .server = control_address(config, server),
                        .fingerprint = to_string(server.fingerprint()),
                        .token = local_token_file(config),
                        .logs = local_token_file(config).parent_path()};

@@ -115,7 +115,7 @@ TEST(ThinContacts, APlateThatAHandCanPushThroughABoardIsSaid) {
                   HasSubstr("objects 'plate' (1 mm thick) and 'board' (3 mm thick): with a tick of "
                             "1 ms they hold each other up to 0.803 m/s"),
                   HasSubstr("at least 4.98 mm thick together"), HasSubstr("a tick of at most"))));
-  // Whatever makes the plate as fast, here a longer fall: the start decides whether it passes.
+  // A longer fall makes the plate as fast as a push would. The start decides whether it passes.
   int passed = 0;
   for (int i = 0; i < 16; ++i)
     passed += holds({.board = 0.003, .height = 0.5 + 0.0003 * i}) ? 0 : 1;
