@@ -171,6 +171,7 @@ std::int32_t fw_hand_stop(fw_hand* hand) {
 std::int32_t fw_hand_close(fw_hand* hand) {
   if (hand == nullptr) return FW_OK;
   if (!is_open(hand)) return not_open("hand");
+  closes(hand->object.get());
   const std::string error = hand->object->end();
   const bool stuck = hand->object->is_stuck();
   if (stuck)

@@ -13,6 +13,7 @@
 #include <string>
 #include <string_view>
 
+#include "client/c_api/end_at_exit.hpp"
 #include "client/c_api/feltwire.h"
 #include "client/c_api/message_queue.hpp"
 #include "client/servo/event.hpp"
@@ -75,6 +76,11 @@ std::int32_t open_handle(Handle** handle, const char* name, Open open) noexcept 
     *handle = nullptr;
     auto opened = std::make_unique<Handle>();
     opened->object = open();
+    auto* object = opened->object.get();
+    if constexpr (requires { object->end(); })
+      end_at_exit(object, [](void* left_open) noexcept {
+        static_cast<decltype(object)>(left_open)->end();
+      });
     *handle = opened.release();
     return FW_OK;
   });

@@ -188,6 +188,7 @@ std::int32_t fw_follower_stop(fw_follower* follower) {
 std::int32_t fw_follower_close(fw_follower* follower) {
   if (follower == nullptr) return FW_OK;
   if (!is_open(follower)) return not_open("follower");
+  closes(follower->object.get());
   const std::string error = follower->object->end();
   delete follower;
   return error.empty() ? FW_OK : fail(FW_ENDED, error.c_str());

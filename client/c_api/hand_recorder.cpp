@@ -49,7 +49,7 @@ HandRecorder::HandRecorder(const RecordingTarget& target, std::shared_ptr<Record
   }
 }
 
-HandRecorder::~HandRecorder() { finish(); }
+HandRecorder::~HandRecorder() { end(); }
 
 void HandRecorder::add(const TickRecord& tick) noexcept {
   const bool has_room = !failed_.load() && rows_.push(tick);
@@ -66,7 +66,7 @@ void HandRecorder::attempt(Action action) noexcept {
     failed_.store(true);
     try {
       error_ = error.what();
-    } catch (const std::bad_alloc&) {  // finish() has a text for it
+    } catch (const std::bad_alloc&) {  // end() has a text for it
     }
   }
 }
@@ -85,7 +85,7 @@ void HandRecorder::write_until(const std::stop_token& end) {
   }
 }
 
-std::string HandRecorder::finish() noexcept {
+std::string HandRecorder::end() noexcept {
   if (!place_) return {};
   place_->leave();
   place_.reset();

@@ -51,7 +51,7 @@ class HandRecorder {
   bool failed() const noexcept { return failed_.load(); }
   /// Writes the rest, and waits until it is on the disk. Returns what is wrong with the recording;
   /// empty: it is complete.
-  std::string finish() noexcept;
+  std::string end() noexcept;
 
  private:
   friend class RecorderPlace;

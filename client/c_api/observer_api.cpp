@@ -130,6 +130,7 @@ std::int32_t fw_observer_wait(fw_observer* observer, std::uint64_t number, doubl
 std::int32_t fw_observer_close(fw_observer* observer) {
   if (observer == nullptr) return FW_OK;
   if (!is_open(observer)) return not_open("observer");
+  closes(observer->object.get());
   const std::string error = observer->object->end();
   delete observer;
   return error.empty() ? FW_OK : fail(FW_ENDED, error.c_str());

@@ -89,7 +89,8 @@ std::int32_t fw_recorder_state(const fw_recorder* recorder, fw_recording_state* 
 std::int32_t fw_recorder_close(fw_recorder* recorder) {
   if (recorder == nullptr) return FW_OK;
   if (!is_open(recorder)) return not_open("recorder");
-  const std::string error = recorder->object->finish();
+  closes(recorder->object.get());
+  const std::string error = recorder->object->end();
   delete recorder;
   return error.empty() ? FW_OK : fail(FW_ERROR_DEVICE, error.c_str());
 }

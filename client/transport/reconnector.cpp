@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "client/transport/detached.hpp"
 #include "protocol/session/grant.hpp"
 
 namespace feltwire {
@@ -37,6 +36,8 @@ Reconnector::Attempt Reconnector::outcome() noexcept {
     return attempt_.get();
   } catch (const std::exception&) {
     return {};
+  } catch (const Cancelled&) {  // the process ends
+    return {};
   }
 }
 
@@ -50,7 +51,7 @@ Reconnector::Reconnector(ServerAccess server, control::JoinRequest request,
 
 void Reconnector::look(bool connected, Clock::time_point now) noexcept {
   if (attempt_.valid()) {
-    if (attempt_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    if (!attempt_.is_ready()) return;
     Attempt done = outcome();
     if (std::exchange(outdated_, false)) done = {};
     // The old session continues if it answers again, so ignore the refusal in this case.
@@ -89,7 +90,7 @@ void Reconnector::put_off(Clock::time_point now) noexcept {
 }
 
 void Reconnector::begin() {
-  attempt_ = run_detached([server = server_, request = request_, options = options_] {
+  attempt_ = BackgroundWork<Attempt>([server = server_, request = request_, options = options_] {
     return attempt(server, request, options);
   });
 }

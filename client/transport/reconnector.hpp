@@ -2,11 +2,11 @@
 // Joins again after a session was lost, while the servo loop continues.
 
 #include <chrono>
-#include <future>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "client/transport/background_work.hpp"
 #include "client/transport/control_client.hpp"
 #include "client/transport/transport.hpp"
 #include "core/base/ring.hpp"
@@ -73,7 +73,7 @@ class Reconnector {
   Attempt outcome() noexcept;
   void put_off(Clock::time_point now) noexcept;
 
-  std::future<Attempt> attempt_;
+  BackgroundWork<Attempt> attempt_;
   std::string refusal_;
   bool outdated_ = false;     // the attempt under way requests an outdated law
   bool handed_over_ = false;  // the loop has not said yet that it took the new session

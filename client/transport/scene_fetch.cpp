@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "client/transport/control_dialogue.hpp"
-#include "client/transport/detached.hpp"
 #include "client/transport/fetched_parts.hpp"
 #include "core/prefetched_geometry/make_prefetched_tool.hpp"
 #include "core/prefetched_geometry/mesh_surfaces.hpp"
@@ -123,12 +122,14 @@ SceneFetch::Attempt SceneFetch::outcome() noexcept {
     return attempt_.get();
   } catch (const std::exception&) {
     return {.failed = true};
+  } catch (const Cancelled&) {  // the process ends
+    return {.failed = true};
   }
 }
 
 void SceneFetch::look(const ScenePlace& place, Clock::time_point now) noexcept {
   if (attempt_.valid()) {
-    if (attempt_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    if (!attempt_.is_ready()) return;
     Attempt done = outcome();
     if (done.failed) {
       put_off(now);
@@ -181,9 +182,10 @@ void SceneFetch::in_use(const FetchedScene* fetched) noexcept {
 void SceneFetch::begin(const ScenePlace& place) {
   // Another session may use another server. Equal version numbers may then mean different scenes.
   const auto have = of_session_ == place.session ? kept_.back() : nullptr;
-  attempt_ =
-      run_detached([question = Question{server_, place.session, have, kept_.size() >= kMostKept,
-                                        options_}] { return attempt(question); });
+  attempt_ = BackgroundWork<Attempt>(
+      [question = Question{server_, place.session, have, kept_.size() >= kMostKept, options_}] {
+        return attempt(question);
+      });
   asked_for_ = place;
 }
 

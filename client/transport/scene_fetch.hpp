@@ -3,11 +3,11 @@
 
 #include <chrono>
 #include <cstdint>
-#include <future>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "client/transport/background_work.hpp"
 #include "client/transport/contact_cost.hpp"
 #include "client/transport/control_client.hpp"
 #include "core/base/ring.hpp"
@@ -83,7 +83,7 @@ class SceneFetch {
   ServerAccess server_;
   Ring<const FetchedScene*>& out_;
   SceneFetchOptions options_;
-  std::future<Attempt> attempt_;
+  BackgroundWork<Attempt> attempt_;
   std::vector<Fetched> kept_;     // the newest last
   std::uint64_t of_session_ = 0;  // in which that was fetched
   ScenePlace asked_for_, settled_;

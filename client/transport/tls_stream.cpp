@@ -2,11 +2,13 @@
 
 #include <openssl/x509v3.h>
 
+#include <algorithm>
 #include <asio/connect.hpp>
 #include <asio/read.hpp>
 #include <asio/ssl/error.hpp>
 #include <asio/write.hpp>
 
+#include "core/base/cancellation.hpp"
 #include "protocol/net/link_local.hpp"
 
 namespace feltwire {
@@ -14,6 +16,12 @@ namespace {
 
 using asio::ip::tcp;
 using Error = std::error_code;
+
+constexpr std::chrono::milliseconds kBetweenLooks{50};  // two looks whether the work is cancelled
+
+bool work_is_cancelled() noexcept {
+  return current_work() != nullptr && current_work()->cancelled();
+}
 
 /// Compares the certificate with the pinned fingerprint, in place of OpenSSL's check. Returns 1 if
 /// they match, else 0.
@@ -88,22 +96,12 @@ void expect_host(SSL* connection, const std::string& host) {
   if (set != 1) throw SessionError("no certificate can have the host name '" + host + "'");
 }
 
-}  // namespace
-
-TlsStream::TlsStream(const ServerAccess& server, std::chrono::milliseconds timeout)
-    : server_(to_string(server.endpoint)),
-      timeout_(timeout),
-      tls_(client_context(server.credentials, pin_)),
-      stream_(io_, new_tls_connection(*tls_.native_handle())) {
-  require_buffers(*stream_.native_handle());
-  connect(server.endpoint);
-  handshake(server);
-}
-
-void TlsStream::connect(const Endpoint& server) {
+/// Looks up the host. This can take many seconds, and nothing can cancel it.
+tcp::resolver::results_type addresses_of(const Endpoint& server, asio::io_context& io) {
   Error error;
-  tcp::resolver resolver(io_);
-  const auto found = resolver.resolve(server.host, std::to_string(server.port), error);
+  tcp::resolver resolver(io);
+  auto found = resolver.resolve(server.host, std::to_string(server.port), error);
+  check_cancelled();
   if (error)
     throw SessionError("cannot find host '" + server.host + "': " + error.message() +
                        (server.host.find('%') == std::string::npos
@@ -112,15 +110,33 @@ void TlsStream::connect(const Endpoint& server) {
                               "the name of an interface of this machine"));
   for (const auto& entry : found)
     if (const auto wrong = missing_zone(entry.endpoint().address()))
-      throw LastingError("cannot connect to " + server_ + ": " + *wrong);
+      throw LastingError("cannot connect to " + to_string(server) + ": " + *wrong);
+  return found;
+}
+
+}  // namespace
+
+TlsStream::TlsStream(const ServerAccess& server, std::chrono::milliseconds timeout)
+    : server_(to_string(server.endpoint)),
+      timeout_(timeout),
+      found_(addresses_of(server.endpoint, io_)),
+      tls_(client_context(server.credentials, pin_)),
+      stream_(io_, new_tls_connection(*tls_.native_handle())) {
+  require_buffers(*stream_.native_handle());
+  connect();
+  handshake(server);
+}
+
+void TlsStream::connect() {
   await(
       [&](auto done) {
-        asio::async_connect(stream_.lowest_layer(), found,
+        asio::async_connect(stream_.lowest_layer(), found_,
                             [done](const Error& e, const tcp::endpoint&) { done(e); });
       },
       "cannot connect to ",
       "; is feltwire-server running there, and is the port its control port?");
   // Send small packets without delay. Otherwise the request waits 40 ms for an acknowledgement.
+  Error error;
   stream_.lowest_layer().set_option(tcp::no_delay(true), error);
 }
 
@@ -176,13 +192,16 @@ void TlsStream::await(Start start, const std::string& what, const std::string& r
   Error result = asio::error::would_block;
   start([&result](const Error& error) { result = error; });
   io_.restart();
-  io_.run_for(timeout_);
+  const auto latest = std::chrono::steady_clock::now() + timeout_;
+  while (!io_.stopped() && std::chrono::steady_clock::now() < latest && !work_is_cancelled())
+    io_.run_until(std::min(latest, std::chrono::steady_clock::now() + kBetweenLooks));
   if (result == asio::error::would_block) {
     Error ignored;
     // close() aborts the operation, which then no longer uses `result`.
     stream_.lowest_layer().close(ignored);
     io_.restart();
     io_.run();
+    check_cancelled();
     throw SessionError(what + server_ + " within " + std::to_string(timeout_.count()) + " ms" +
                        remedy);
   }

@@ -18,7 +18,8 @@ namespace feltwire {
 class TlsStream {
  public:
   /// Connects and checks the server's certificate against the credentials. Sends nothing to a
-  /// server that they do not trust. Throws SessionError, as do the functions below.
+  /// server that they do not trust. Throws SessionError, as do the functions below, and Cancelled
+  /// if the thread's work is cancelled (core/base/cancellation.hpp).
   TlsStream(const ServerAccess& server, std::chrono::milliseconds timeout);
   TlsStream(const TlsStream&) = delete;
   TlsStream& operator=(const TlsStream&) = delete;
@@ -35,7 +36,7 @@ class TlsStream {
   asio::ip::address peer() const { return stream_.lowest_layer().remote_endpoint().address(); }
 
  private:
-  void connect(const Endpoint& server);
+  void connect();
   void handshake(const ServerAccess& server);
   /// Runs an operation until it ends or its time is over. `what` and `remedy` are for the message
   /// of either failure.
@@ -46,6 +47,7 @@ class TlsStream {
   std::chrono::milliseconds timeout_;
   Pin pin_;
   asio::io_context io_;
+  asio::ip::tcp::resolver::results_type found_;  // addresses of the host
   asio::ssl::context tls_;
   asio::ssl::stream<asio::ip::tcp::socket> stream_;
 };

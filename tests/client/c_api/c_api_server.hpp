@@ -19,11 +19,13 @@ namespace feltwire::c_api_test {
 /// A server of this process with one scene, and the files and texts that options of the C interface
 /// point to.
 struct ApiServer {
-  explicit ApiServer(Scene scene = testing::floor_scene(), Tokens tokens = {}) {
+  explicit ApiServer(Scene scene = testing::floor_scene(), Tokens tokens = {},
+                     double silence_timeout = ServerConfig{}.silence_timeout) {
     std::vector<Scene> scenes;
     scenes.push_back(std::move(scene));
     ServerConfig config = testing::any_ports();
     config.max_sessions_per_client = 32;
+    config.silence_timeout = silence_timeout;
     server = std::make_unique<Server>(config, std::move(scenes), test::security(std::move(tokens)));
     address = "127.0.0.1:" + std::to_string(server->control_port());
     token_file = write_token("token", test::admin_token());
