@@ -1,12 +1,8 @@
 #include "client/device/sample_mailbox.hpp"
 
 #include <poll.h>
-#include <sys/eventfd.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <system_error>
 
 #include "client/device/held_command.hpp"
 #include "protocol/net/clock.hpp"
@@ -14,29 +10,15 @@
 
 namespace feltwire {
 
-Wake::Wake() : descriptor_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
-  if (descriptor_ < 0)
-    throw std::system_error(errno, std::generic_category(), "cannot make an event");
-}
-
-Wake::~Wake() { ::close(descriptor_); }
-
-void Wake::set() const noexcept {
-  const std::uint64_t one = 1;
-  [[maybe_unused]] const ssize_t written = ::write(descriptor_, &one, sizeof one);
-}
-
 void Wake::wait_until(Nanoseconds latest) const noexcept {
-  poll_until(descriptor_, POLLIN, latest);
-  std::uint64_t count = 0;
-  [[maybe_unused]] const ssize_t drained = ::read(descriptor_, &count, sizeof count);
+  poll_until(signal_.get(), POLLIN, latest);
+  signal_.clear();
 }
 
 void Wake::wait() const noexcept {
-  pollfd waiting{descriptor_, POLLIN, 0};
+  pollfd waiting{signal_.get(), POLLIN, 0};
   ::poll(&waiting, 1, -1);
-  std::uint64_t count = 0;
-  [[maybe_unused]] const ssize_t drained = ::read(descriptor_, &count, sizeof count);
+  signal_.clear();
 }
 
 Command SampleMailbox::exchange(DeviceReading reading, Nanoseconds patience) noexcept {

@@ -7,26 +7,23 @@
 #include <cstdint>
 
 #include "client/device/device.hpp"
+#include "core/base/event_descriptor.hpp"
 #include "core/base/ring.hpp"
 
 namespace feltwire {
 
-/// Wakes a waiting thread. set() is safe in any thread and in a signal handler.
+/// Wakes a waiting thread. set() is safe in any thread and in a signal handler. The constructor
+/// throws std::system_error if the system has no more descriptors.
 class Wake {
  public:
-  /// Throws std::system_error if the system has no more descriptors.
-  Wake();
-  ~Wake();
-  Wake(const Wake&) = delete;
-  Wake& operator=(const Wake&) = delete;
-  void set() const noexcept;
+  void set() const noexcept { signal_.signal(); }
   /// Waits until set() or `latest` (a monotonic time). An earlier set() counts.
   void wait_until(Nanoseconds latest) const noexcept;
   /// Waits until set().
   void wait() const noexcept;
 
  private:
-  int descriptor_;
+  EventDescriptor signal_;
 };
 
 /// The hand-over of one device. A force is used in the tick of its own reading or never: a late
