@@ -1,5 +1,7 @@
 #include "client/transport/datagram_session.hpp"
 
+#include <algorithm>
+
 namespace feltwire {
 namespace {
 
@@ -34,6 +36,7 @@ void DatagramSession::resume(std::uint64_t session, const SessionKeys& keys) noe
   sealer_ = Sealer(keys.suite, keys.up);
   opener_ = Opener(keys.suite, keys.down);
   packer_.restart();
+  paced_by_ = 0;
 }
 
 Bytes DatagramSession::pack(const Sample& sample, const std::optional<HandReport>& report,
@@ -55,7 +58,14 @@ DatagramSession::Arrival DatagramSession::take(Bytes datagram, Reply& reply,
   DropReason drop = got.drop;
   if (drop == DropReason::none)
     drop = is_reply ? decode(got.payload, reply, &view_) : decode(got.payload, reason);
-  if (drop == DropReason::none && is_reply && is_shortened(got.payload)) ++shortened_;
+  if (drop == DropReason::none && is_reply) {
+    if (is_shortened(got.payload)) ++shortened_;
+    if (reply.sample_index >= paced_by_) {  // late replies have an old pace
+      paced_by_ = reply.sample_index;
+      packer_.set_pace(reply.pace);
+      slowest_pace_ = std::max(slowest_pace_, packer_.pace());
+    }
+  }
   if (drop == DropReason::none) return is_reply ? Arrival::reply : Arrival::goodbye;
   ++dropped_[static_cast<std::size_t>(drop)];
   return Arrival::dropped;

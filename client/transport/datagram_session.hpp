@@ -45,6 +45,9 @@ class DatagramSession {
   /// An observer's view in the last reply; null: it had none. Valid until the next take().
   const SceneView* view() const { return view_.present ? &view_ : nullptr; }
 
+  /// The most packet intervals between two datagrams, as the server asked (SamplePacker::pace()).
+  int slowest_pace() const noexcept { return slowest_pace_; }
+
   const std::array<std::uint64_t, kDropReasons>& dropped() const { return dropped_; }
   /// Replies that say less than they might, because the path takes no longer ones.
   std::uint64_t shortened() const { return shortened_; }
@@ -59,6 +62,8 @@ class DatagramSession {
   SceneView view_;
   std::array<std::uint64_t, kDropReasons> dropped_{};
   std::uint64_t shortened_ = 0;
+  int slowest_pace_ = 1;
+  std::uint64_t paced_by_ = 0;  // the newest sample whose reply had a pace
 };
 
 }  // namespace feltwire

@@ -7,6 +7,12 @@
 #include "protocol/session/deadband.hpp"
 
 namespace feltwire {
+namespace {
+
+constexpr double kShareOfHold = 0.25;  // of the hold time, between two datagrams at any pace
+constexpr double kRoundUp = 1.0 + 1e-9;
+
+}  // namespace
 
 SamplePacker::SamplePacker(const SessionParameters& parameters, bool rotation,
                            const PositionScale& scale)
@@ -23,7 +29,15 @@ bool SamplePacker::carry_fewer() noexcept {
   return true;
 }
 
+void SamplePacker::set_pace(int pace) noexcept {
+  const double interval = parameters_.packet_interval * parameters_.servo_period;
+  const double longest = std::min(kSlowest, kShareOfHold * parameters_.hold_time);
+  const int most = std::max(1, static_cast<int>(longest / interval * kRoundUp));
+  pace_ = std::clamp(pace, 1, most);
+}
+
 void SamplePacker::restart() noexcept {
+  pace_ = 1;
   most_ = parameters_.batch + parameters_.redundancy;
   travelled_count_ = 0;
   fed_ = fed_at_last_ = 0;
@@ -60,7 +74,8 @@ const SampleBatch* SamplePacker::add(const Sample& sample, const std::optional<H
 
 bool SamplePacker::due(const Sample& sample) const noexcept {
   if (travelled_count_ == 0) return true;
-  if (fed_ - fed_at_last_ < static_cast<std::uint64_t>(parameters_.packet_interval)) return false;
+  const auto interval = static_cast<std::uint64_t>(pace_ * parameters_.packet_interval);
+  if (fed_ - fed_at_last_ < interval) return false;
   return !(parameters_.position_deadband > 0.0) || !known(sample);
 }
 

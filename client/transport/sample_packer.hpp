@@ -45,6 +45,7 @@ class SamplePacker {
   /// tau [s]: in free space the deadband is the share k of the way in this time.
   static constexpr double kFreeAge = 0.02;
   static constexpr double kUnfeltAngle = 1e-3;  // [rad]
+  static constexpr double kSlowest = 0.01;      // [s] between two datagrams at any pace
 
   /// `parameters` must be valid; `rotation`: orientation and torque travel too.
   SamplePacker(const SessionParameters& parameters, bool rotation, const PositionScale& scale = {});
@@ -57,6 +58,13 @@ class SamplePacker {
 
   /// Begins a new session, which needs no sample of the old one.
   void restart() noexcept;
+
+  /// The server is out of time, and asks for a datagram only every `pace` packet intervals. It gets
+  /// them at most kSlowest and a quarter of the hold time apart, so that its answers still reach
+  /// the hand in time. The device's own loop keeps its rate.
+  void set_pace(int pace) noexcept;
+  /// The pace that is kept; 1: a datagram every packet interval.
+  int pace() const noexcept { return pace_; }
 
   /// Puts one sample less into each datagram, as the path takes no longer ones. Returns false when
   /// they have only one.
@@ -71,6 +79,7 @@ class SamplePacker {
   SessionParameters parameters_;
   PositionScale scale_;
   int most_;           // samples in a datagram, as far as the path takes them
+  int pace_ = 1;       // packet intervals between two datagrams
   SampleBatch batch_;  // the last one made
   // Samples that travelled, the newest first: those that the next datagram repeats, and one more.
   std::array<Sample, kMaxRedundancy + 1> travelled_{};

@@ -16,6 +16,7 @@ namespace feltwire {
 struct TransportStatistics : PortStatistics {
   std::array<std::uint64_t, kDropReasons> dropped{};
   std::uint64_t shortened = 0;  // replies that the server shortened, because the path is short
+  int pace = 1;  // most packet intervals between two datagrams, as a server without time asked
 };
 
 /// The address and the keys of a session's datagrams.
@@ -70,7 +71,8 @@ class Transport {
   void goodbye() noexcept;
 
   TransportStatistics statistics() const {
-    return {port_->statistics(), datagrams_.dropped(), datagrams_.shortened()};
+    return {port_->statistics(), datagrams_.dropped(), datagrams_.shortened(),
+            datagrams_.slowest_pace()};
   }
 
  private:

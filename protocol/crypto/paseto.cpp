@@ -27,7 +27,8 @@ std::string base64(std::span<const std::uint8_t> bytes) {
 
 /// Without padding, and with no set bit behind the last byte.
 std::optional<Bytes> from_base64(std::string_view text) {
-  Bytes bytes(text.size());  // longer than needed
+  if (text.empty()) return Bytes();  // libsodium must not get a null pointer
+  Bytes bytes(text.size());          // longer than needed
   std::size_t size = 0;
   const char* end = nullptr;
   if (sodium_base642bin(bytes.data(), bytes.size(), text.data(), text.size(), nullptr, &size, &end,

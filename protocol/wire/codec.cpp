@@ -18,6 +18,7 @@ namespace {
 constexpr std::uint32_t kFlagActive = 1u << 0, kFlagSaturated = 1u << 1, kFlagRefused = 1u << 2,
                         kFlagGap = 1u << 3, kFlagRecovering = 1u << 4, kFlagShortened = 1u << 5;
 constexpr unsigned kReloadsShift = 8;  // the byte of the flags that counts reloads
+constexpr unsigned kPaceShift = 16;    // the byte of the flags that has the pace
 
 bool plausible(const Sample& sample, bool rotation) {
   if (!sample.held.finite()) return false;
@@ -136,7 +137,8 @@ Bytes Encoder::reply(const Reply& reply, const SceneView* view, bool shortened) 
       (reply.bound.active ? kFlagActive : 0) | (reply.bound.saturated ? kFlagSaturated : 0) |
       (reply.bound.refused ? kFlagRefused : 0) | (reply.gap ? kFlagGap : 0) |
       (reply.recovering ? kFlagRecovering : 0) | (shortened ? kFlagShortened : 0) |
-      (std::uint32_t{reply.reloads} << kReloadsShift);
+      (std::uint32_t{reply.reloads} << kReloadsShift) |
+      (std::uint32_t{reply.pace > 1 ? reply.pace : std::uint8_t{0}} << kPaceShift);
   const wire::BoundingReport report(reply.delivered.elastic, reply.delivered.frictional,
                                     reply.delivered.torque, float32(reply.bound.ratio), flags, 0);
   const wire::Rates rates(wire_float(reply.rates.elastic), wire_float(reply.rates.frictional),
@@ -268,6 +270,7 @@ DropReason decode(Bytes payload, Reply& out, SceneView* view) noexcept {
   out.gap = (report.flags() & kFlagGap) != 0;
   out.recovering = (report.flags() & kFlagRecovering) != 0;
   out.reloads = static_cast<std::uint8_t>(report.flags() >> kReloadsShift);
+  out.pace = std::max<std::uint8_t>(static_cast<std::uint8_t>(report.flags() >> kPaceShift), 1);
   out.withheld = root->withheld();
   out.predicted = root->rates() != nullptr;
   out.rates = {};

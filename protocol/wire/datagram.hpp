@@ -105,6 +105,8 @@ struct Reply {
   std::optional<Remote> remote;  // for a session that leads a robot
   /// The change that the client has not acknowledged yet; float32 on the wire.
   std::optional<ClientChange> change;
+  /// The server asks for a datagram only every so many packet intervals (server/scene/pace.hpp).
+  std::uint8_t pace = 1;
 };
 
 /// Why a datagram was dropped; each has a counter. The order is the order of the checks in

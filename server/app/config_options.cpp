@@ -31,6 +31,10 @@ void add_serving(CLI::App& app, ServerConfig& config) {
                  "ends the "
                  "session")
       ->capture_default_str();
+  app.add_option("--slow-down", config.slow_down,
+                 "Sessions that are asked for fewer datagrams while a scene's thread is short of "
+                 "time, in this order: observers, hands. off: none")
+      ->capture_default_str();
   app.add_option("--profile", config.profile,
                  "Network that the sessions share, " + network_profile_names() +
                      ". The profile limits the datagram rate of each client");

@@ -42,6 +42,7 @@ SceneHostOptions host_options(const ServerConfig& config) {
   options.dscp = dscp(config.dscp);
   options.max_sessions = static_cast<std::size_t>(config.max_sessions_per_scene);
   options.limits.sample_rate = config.sample_rate_limit;
+  options.limits.slow_down = slow_down_order(config.slow_down);
   options.busy_poll = busy_poll_time(config.busy_poll);
   options.real_time = config.real_time;
   return options;

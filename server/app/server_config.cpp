@@ -21,6 +21,7 @@
 #include "protocol/session/profiles.hpp"
 #include "protocol/wire/control.hpp"
 #include "server/app/config_options.hpp"
+#include "server/scene/slow_down.hpp"
 #include "server/web/authority.hpp"
 
 namespace feltwire {
@@ -126,6 +127,11 @@ Complaint complaint(const ServerConfig& c) {
     dscp(c.dscp);
   } catch (const std::invalid_argument& wrong) {
     return complaint_of("--dscp", wrong.what());
+  }
+  try {
+    slow_down_order(c.slow_down);
+  } catch (const std::invalid_argument& wrong) {
+    return complaint_of("--slow-down", "'" + c.slow_down + "' " + wrong.what());
   }
   for (const auto& [option, place] : {std::pair("--web", &c.web), {"--metrics", &c.metrics}}) {
     try {

@@ -42,10 +42,11 @@ struct ServerConfig : SecurityOptions {
   int port = kDefaultPort;       // control (tcp); the scenes' ports (udp) follow it; 0: free ports
   double silence_timeout = 2.0;  // [s]
   int max_sessions_per_scene = 64;
-  double sample_rate_limit = 1.5;    // of a session, times its servo rate
-  int max_sessions_per_client = 16;  // of all tokens with one client's name
-  double join_rate = 20.0;           // [1/s] joins, changes and wrong tokens, sustained,
-  double join_burst = 60.0;          // and at once (server/control/request_limits.hpp)
+  double sample_rate_limit = 1.5;             // of a session, times its servo rate
+  std::string slow_down = "observers,hands";  // slow_down_order()
+  int max_sessions_per_client = 16;           // of all tokens with one client's name
+  double join_rate = 20.0;                    // [1/s] joins, changes and wrong tokens, sustained,
+  double join_burst = 60.0;                   // and at once (server/control/request_limits.hpp)
   ConnectionConfig connections;
   std::string profile;       // line that the sessions share, lan, wan or thin; empty: no limit
   double busy_poll = 0.0;    // [us] before a scene's thread sleeps; 0: at once, infinity: never

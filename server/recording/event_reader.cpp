@@ -19,6 +19,7 @@ bool is_possible(const RecordedEvent& read) {
          read.hand <= ~std::uint32_t{0} && read.time < kLatest &&
          read.payload.size() <= EventQueue::kMostPayload &&
          (read.kind != static_cast<std::uint64_t>(EventKind::path) || read.payload.size() == 2) &&
+         (read.kind != static_cast<std::uint64_t>(EventKind::pace) || read.payload.size() == 1) &&
          (read.kind != static_cast<std::uint64_t>(EventKind::end) ||
           (read.payload.size() == 1 && static_cast<std::uint8_t>(read.payload[0]) <=
                                            static_cast<std::uint8_t>(SessionEnd::shut_down)));

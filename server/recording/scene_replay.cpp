@@ -83,6 +83,9 @@ class Replayer {
         sessions_.limit_replies(id_of(event.hand), event.payload[0] | event.payload[1] << 8,
                                 event.time);
         return std::nullopt;
+      case EventKind::pace:
+        sessions_.replay_pace(id_of(event.hand), event.payload[0], event.time);
+        return std::nullopt;
       case EventKind::none:
       case EventKind::count_of_kinds:
         break;

@@ -15,7 +15,8 @@ constexpr std::size_t kHead = 5;  // number of words of an event before its payl
 constexpr unsigned kOutcomeAt = 8, kHandAt = 32;
 constexpr std::uint64_t kByte = 0xff;
 constexpr std::array<const char*, static_cast<std::size_t>(EventKind::count_of_kinds)> kNames = {
-    "none", "join", "parameters", "samples", "tick", "end", "reload", "change", "check", "path"};
+    "none",   "join",   "parameters", "samples", "tick", "end",
+    "reload", "change", "check",      "path",    "pace"};
 
 std::size_t words_of(std::size_t bytes) { return (bytes + kWord - 1) / kWord; }
 

@@ -26,6 +26,7 @@ enum class EventKind : std::uint8_t {
   change,
   check,
   path,
+  pace,
   count_of_kinds
 };
 enum class EventOutcome : std::uint8_t { nothing, answered, withheld, count_of_outcomes };

@@ -62,6 +62,7 @@ void FairShare::find_level() noexcept {
     all += uses_[i].spent;
     sessions += uses_[i].here ? 1 : 0;
   }
+  load_ = (all + other_.spent) / kWindow;
   if (all <= room) return;
   level_ = room / static_cast<double>(sessions);
   for (;;) {

@@ -67,6 +67,8 @@ class FairShare {
   /// [s] of the thread's time in the window that a session may have used; infinite while there is
   /// enough.
   double level() const { return level_; }
+  /// The share of the thread's time that was used in the window, at the last balance.
+  double load() const { return load_; }
   /// [s] of the window, at the last balance.
   double used(std::uint32_t session) const { return uses_[session].spent; }
 
@@ -97,6 +99,7 @@ class FairShare {
   std::array<std::uint32_t, kTogether> recent_{};
   std::size_t recent_count_ = 0, taken_ = 0;
   double level_ = std::numeric_limits<double>::infinity();
+  double load_ = 0.0;
   std::optional<Nanoseconds> last_, second_began_;
   Slow slow_;
 };

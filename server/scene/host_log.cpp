@@ -37,7 +37,8 @@ void HostLog::tell_of_world(const SceneSessions& sessions, Nanoseconds now) {
     spdlog::warn("scene {}: {}", scene_, line);
 }
 
-void HostLog::tell_of_load(const SceneSessions& sessions, Nanoseconds now) {
+void HostLog::tell_of_load(SceneSessions& sessions, Nanoseconds now) {
+  if (sessions.pace().has_line(now)) spdlog::warn("scene {}: {}", scene_, sessions.pace_line(now));
   for (const std::string& line : load_log_.lines(sessions.share().slow(), sessions.shed(), now))
     spdlog::warn("scene {}: {}", scene_, line);
 }

@@ -23,7 +23,7 @@ class HostLog {
   void tell_of_sessions(SceneSessions& sessions);
   /// Precondition: sessions.world() != nullptr.
   void tell_of_world(const SceneSessions& sessions, Nanoseconds now);
-  void tell_of_load(const SceneSessions& sessions, Nanoseconds now);
+  void tell_of_load(SceneSessions& sessions, Nanoseconds now);
   /// The server failed in this scene. At most one line a second.
   void tell_of_failure(const std::exception& failure, Nanoseconds now);
   /// The scene has another world from now on.

@@ -35,6 +35,7 @@ Bytes SampleHandler::answer(SessionSlot& slot, Bytes payload, const Origin& orig
     if (slot.waits_for_client()) taken.reply.change = slot.asked->change;
   }
   hear(slot, origin);
+  taken.reply.pace = slot.pace.intervals;
   if (!seats_.empty() && batch_.lead && covers(slot.role, Role::operator_))
     taken.reply.remote = seats_.lead(slot, batch_, origin.now);
 

@@ -22,7 +22,8 @@ std::vector<std::pair<std::string_view, std::uint64_t>> named_counters(const Sce
           {"missed", c.samples.missed},
           {"duplicates", c.samples.duplicates},
           {"late_ticks", c.samples.late_ticks},
-          {"shed", c.shed}};
+          {"shed", c.shed},
+          {"slowed", c.slowed}};
 }
 
 control::Counters counter_list(const SceneCounters& counters) {

@@ -18,6 +18,7 @@ SceneSessions::SceneSessions(const Scene& scene, Nanoseconds silence_timeout,
              served_, clock_, seats_, share_, log_),
       gate_(table_.ids(), share_),
       paths_(log_),
+      pace_(limits.slow_down, log_),
       views_(served_, table_, seats_, clock_),
       changes_(served_, clock_, table_, seats_, log_),
       samples_(gate_, seats_, client_changes_, paths_, views_, log_) {
@@ -63,6 +64,11 @@ Bytes SceneSessions::replay_samples(std::uint64_t id, Bytes payload, Nanoseconds
 
 void SceneSessions::replay_end(std::uint64_t id, SessionEnd how) noexcept {
   if (SessionSlot* const slot = table_.find(id)) table_.end(*slot, how);
+}
+
+void SceneSessions::replay_pace(std::uint64_t id, std::uint8_t intervals,
+                                Nanoseconds now) noexcept {
+  if (SessionSlot* const slot = table_.find(id)) pace_.set(*slot, intervals, now);
 }
 
 void SceneSessions::tick(Nanoseconds now) noexcept {

@@ -17,6 +17,7 @@
 #include "server/scene/datagram_gate.hpp"
 #include "server/scene/fair_share.hpp"
 #include "server/scene/observer_views.hpp"
+#include "server/scene/pace.hpp"
 #include "server/scene/path_limits.hpp"
 #include "server/scene/peer_address.hpp"
 #include "server/scene/prefetched_surfaces.hpp"
@@ -74,10 +75,14 @@ class SceneSessions {
   void spent(Nanoseconds time, Nanoseconds now) noexcept {
     share_.charge(time);
     share_.balance(now);
+    pace_.adapt(table_.slots(), share_, now);
   }
   /// Charges time that no session caused, for example of a tick.
   void spent_otherwise(Nanoseconds time) noexcept { share_.charge_other(time); }
   const FairShare& share() const { return share_; }
+  /// The sessions that send fewer datagrams because the thread is short of time.
+  const Pace& pace() const noexcept { return pace_; }
+  std::string pace_line(Nanoseconds now) { return pace_.line(table_.slots(), now); }
   /// The number of datagrams that were dropped because their session was above its share.
   std::uint64_t shed() const { return gate_.counters().shed; }
 
@@ -167,6 +172,8 @@ class SceneSessions {
   Bytes replay_samples(std::uint64_t id, Bytes payload, Nanoseconds now) noexcept;
   /// Ends a session, if it exists, without a goodbye.
   void replay_end(std::uint64_t id, SessionEnd how) noexcept;
+  /// The client of a session, if it exists, was asked for this pace.
+  void replay_pace(std::uint64_t id, std::uint8_t intervals, Nanoseconds now) noexcept;
 
   /// Counts the scenes, from 1: one more with each enter().
   std::uint32_t scene_version() const noexcept { return served_.version; }
@@ -176,7 +183,7 @@ class SceneSessions {
   std::size_t size() const { return table_.size(); }
   /// Running sessions included.
   SceneCounters counters() const {
-    return {table_.counters(), gate_.counters(), clock_.counters()};
+    return {table_.counters(), gate_.counters(), clock_.counters(), pace_.counters()};
   }
   const Session* find(std::uint64_t id);
 
@@ -191,6 +198,7 @@ class SceneSessions {
   SessionTable table_;
   DatagramGate gate_;
   PathLimits paths_;
+  Pace pace_;
   ClientChanges client_changes_;
   ObserverViews views_;
   AdminChanges changes_;

@@ -53,6 +53,12 @@ struct PathRoom {
   bool told = false;               // the log says so
 };
 
+/// How often a session's client sends (server/scene/pace.hpp).
+struct SlotPace {
+  std::uint8_t intervals = 1;  // packet intervals between two datagrams, as the client was asked
+  Nanoseconds since{0};
+};
+
 /// An observer's progress through the scene.
 struct ObserverProgress {
   ObserverView view;
@@ -99,6 +105,7 @@ struct SessionSlot {
   Nanoseconds last_heard, joined;
   Peer peer;      // of the newest datagram with a newer sample
   PathRoom path;  // from here to the peer
+  SlotPace pace;
   ResetBlame blame;
   ChangesTaken takes;  // changes that its client takes
   std::optional<AskedChange> asked = {};

@@ -114,7 +114,7 @@ class Marks:
         try:
             number = float(value)
         except ValueError:
-            return value in re.split(r"[\s`|,;()]+", said)
+            return value == said or value in re.split(r"[\s`|,;()]+", said)
         return any(float(said) == number for said in re.findall(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?", said))
 
     def wrong_default(self, program, option, value, before):

@@ -30,9 +30,10 @@ int main(int count, char** words) {
   fw_recorder_options_default(&of_recorder, sizeof of_recorder);
   of_recorder.file = words[4];
 
-  fw_hand* hand = nullptr;
-  fw_observer* observer = nullptr;
-  fw_recorder* recorder = nullptr;
+  // Static, so that a search for leaks finds the handles.
+  static fw_hand* hand = nullptr;
+  static fw_observer* observer = nullptr;
+  static fw_recorder* recorder = nullptr;
   if (fw_hand_open(&of_hand, &hand) != FW_OK ||
       fw_recorder_open(hand, &of_recorder, &recorder) != FW_OK ||
       fw_observer_open(&of_observer, &observer) != FW_OK) {

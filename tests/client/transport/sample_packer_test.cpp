@@ -52,6 +52,47 @@ std::vector<std::uint64_t> indices(const SampleBatch& batch) {
   return all;
 }
 
+/// The ticks at which a datagram was made.
+std::vector<std::uint64_t> sent(SamplePacker& packer, std::uint64_t first, std::uint64_t last) {
+  std::vector<std::uint64_t> ticks;
+  for (std::uint64_t index = first; index <= last; ++index)
+    if (packer.add(sample(index)) != nullptr) ticks.push_back(index);
+  return ticks;
+}
+
+TEST(SamplePacker, SendsAtThePaceThatTheServerAsksFor) {
+  SamplePacker packer(traffic(2, 2, 1), false);
+  EXPECT_THAT(sent(packer, 1, 6), ElementsAre(1, 3, 5));
+  packer.set_pace(2);
+  EXPECT_THAT(sent(packer, 7, 14), ElementsAre(9, 13));
+  const SampleBatch* batch = packer.add(sample(15));
+  EXPECT_EQ(batch, nullptr);
+  packer.set_pace(1);
+  batch = packer.add(sample(16));
+  ASSERT_NE(batch, nullptr);
+  EXPECT_THAT(indices(*batch), ElementsAre(16, 15, 13)) << "the newest, and a repeated one";
+  packer.set_pace(4);
+  packer.restart();
+  EXPECT_EQ(packer.pace(), 1);
+}
+
+/// Answers must come while the hand still holds the last one.
+TEST(SamplePacker, ThePaceHasALimit) {
+  SessionParameters p = traffic(1, 1, 0);
+  SamplePacker usual(p, false);
+  usual.set_pace(255);
+  EXPECT_EQ(usual.pace(), 10) << "10 ms";
+  usual.set_pace(0);
+  EXPECT_EQ(usual.pace(), 1);
+  p.hold_time = 0.02;
+  SamplePacker short_hold(p, false);
+  short_hold.set_pace(255);
+  EXPECT_EQ(short_hold.pace(), 5) << "a quarter of the hold time";
+  SamplePacker slow(traffic(20, 1, 0), false);
+  slow.set_pace(255);
+  EXPECT_EQ(slow.pace(), 1) << "it sends less than every 10 ms anyway";
+}
+
 TEST(SamplePacker, AnotherSwitchOrSeatTravelsAtOnce) {
   SamplePacker packer(traffic(100, 1, 0), false);
   EXPECT_NE(packer.add(sample(1), {}, Lead{}), nullptr);

@@ -49,6 +49,7 @@ Reply random_reply(Generator& random) {
   reply.gap = flags & 8;
   reply.recovering = flags & 16;
   reply.reloads = static_cast<std::uint8_t>(random());
+  reply.pace = static_cast<std::uint8_t>(1 + random() % 255);
   return reply;
 }
 
@@ -111,6 +112,7 @@ TEST(Codec, ReplyRoundTrip) {
     EXPECT_EQ(received.gap, sent.gap);
     EXPECT_EQ(received.recovering, sent.recovering);
     EXPECT_EQ(received.reloads, sent.reloads);
+    EXPECT_EQ(received.pace, sent.pace);
   }
 }
 

@@ -20,7 +20,7 @@ TEST(Config, EveryFieldIsRead) {
   const ServerConfig config = parse_config(R"({
     "scenes": ["a.json", "/abs/b.json"],
     "address": "0.0.0.0", "port": 9000, "silence_timeout": 1.5,
-    "max_sessions_per_scene": 3, "profile": "thin", "busy_poll": 50, "real_time": true, "log_level": "debug",
+    "max_sessions_per_scene": 3, "profile": "thin", "busy_poll": 50, "slow_down": "hands", "real_time": true, "log_level": "debug",
     "dscp": "af41",
     "state": "state", "certificate": "c.pem", "key": "k.pem", "client_ca": "/abs/ca.pem",
     "tokens": "t.json", "max_sessions_per_client": 5, "join_rate": 0.5, "join_burst": 2,
@@ -37,6 +37,7 @@ TEST(Config, EveryFieldIsRead) {
   EXPECT_EQ(config.max_sessions_per_scene, 3);
   EXPECT_EQ(config.profile, "thin");
   EXPECT_EQ(config.busy_poll, 50.0);
+  EXPECT_EQ(config.slow_down, "hands");
   EXPECT_TRUE(config.real_time);
   EXPECT_EQ(config.log.level, "debug");
   EXPECT_EQ(config.dscp, "af41");
@@ -65,6 +66,7 @@ TEST(Config, WhatIsLeftOutKeepsItsDefault) {
   EXPECT_EQ(read.silence_timeout, made.silence_timeout);
   EXPECT_EQ(read.max_sessions_per_scene, made.max_sessions_per_scene);
   EXPECT_EQ(read.sample_rate_limit, made.sample_rate_limit);
+  EXPECT_EQ(read.slow_down, made.slow_down);
   EXPECT_EQ(read.profile, made.profile);
   EXPECT_EQ(read.busy_poll, 0.0);
   EXPECT_FALSE(read.real_time);
@@ -95,6 +97,7 @@ TEST(Config, FaultsNameFileLineAndField) {
       {"{\n\"silence_timeout\": 0}", "silence_timeout"},
       {"{\n\"max_sessions_per_scene\": 0}", "max_sessions_per_scene"},
       {"{\n\"sample_rate_limit\": 1}", "sample_rate_limit"},
+      {"{\n\"slow_down\": \"hands,hands\"}", "slow_down"},
       {"{\n\"profile\": \"moon\"}", "profile"},
       {"{\n\"web_names\": [\"lab.example\", \"https://lab.example\"]}", "web_names"},
       {"{\n\"busy_poll\": -2}", "busy_poll"},

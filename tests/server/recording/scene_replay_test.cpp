@@ -102,6 +102,22 @@ TEST(ReplayOfWholeSurfaces, IsBitEqual) {
   EXPECT_EQ(result.replies, 400u);
 }
 
+/// A thread without time asks clients for fewer datagrams. A replay has other times.
+TEST(ReplayOfAPace, IsBitEqual) {
+  RecordedScene scene(repository_scene("room.json"));
+  scene.join(kA);
+  scene.join(kB);
+  for (int n = 0; n < 600; ++n) {
+    scene.run(1);
+    scene.exchange.sessions.spent(std::chrono::milliseconds(2), scene.exchange.now);
+  }
+  EXPECT_GE(scene.exchange.sessions.counters().slowed, 2u);
+  const Replay result = replay({scene.finish()});
+  ASSERT_TRUE(result.bit_equal()) << result.difference->what << " at event "
+                                  << result.difference->event;
+  EXPECT_GT(result.replies, 100u);
+}
+
 /// The replies to a robot's hand depend on the robot's states.
 TEST(ReplayOfARobot, IsBitEqual) {
   RecordedScene scene(repository_scene("teleoperation/seat.json"));

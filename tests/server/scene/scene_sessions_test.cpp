@@ -26,7 +26,7 @@ class SceneSessionsTest : public ::testing::Test {
  protected:
   Scene scene = test::room();
   // With this limit the tests need not wait for the sample rate.
-  static constexpr SessionLimits kFast{.sample_rate = 1e6};
+  static inline const SessionLimits kFast{.sample_rate = 1e6};
   SceneSessions sessions{scene, 2s, 2, nullptr, kFast};
   test::SealedEncoder client{test::Way::up};
   DatagramBuffer out;
