@@ -3,6 +3,7 @@
 import assert from 'node:assert/strict';
 import {readFileSync} from 'node:fs';
 import {test} from 'node:test';
+import {readLink} from '../page/src/link.js';
 import {TOKEN} from './mock_server.mjs';
 import {hold, newPage, newServer, open, page, press, server, state, until} from './page_fixture.mjs';
 
@@ -124,6 +125,13 @@ test('a plane is hatched from within the solid', async () => {
   const below = await drawn();
   assert.ok((await state()).pose.position[2] < 0);
   assert.ok(below > 1.5 * above, `${above} from above, ${below} from below`);
+});
+
+test('a link with a view that no camera can have keeps its scene and hand', () => {
+  for (const view of ['0,0,0,0,0,0', '1,2,3,1,2,3', ',,,,,1', '1e308,0,0,-1e308,0,0', 'nan,0,0,0,0,1', '1,2,3', '1,2,3,4,5,6,7']) {
+    assert.deepEqual(readLink(`#scene=room&hand=2&view=${view}`), {scene: 'room', hand: 2, pose: null}, view);
+  }
+  assert.deepEqual(readLink('#view=0.5,-1,0.4,0,0,0').pose, {position: [0.5, -1, 0.4], target: [0, 0, 0]});
 });
 
 test('a link holds scene, hand and camera, and no token', async () => {
