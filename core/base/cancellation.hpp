@@ -23,26 +23,36 @@ class CancellableWork {
   void begin(std::string stage) {
     const std::lock_guard lock(mutex_);
     stage_ = std::move(stage);
-    done_ = of_ = 0;
+    step_ = done_ = of_ = 0;
   }
-  /// Tells how many parts of the stage are done.
-  void advance(std::size_t done, std::size_t of) noexcept {
-    done_.store(done, std::memory_order_relaxed);
-    of_.store(of, std::memory_order_relaxed);
-  }
-  /// The stage and its progress: "objects[2].mesh, 40 %".
-  std::string progress() const {
-    const std::size_t done = done_, of = of_;
+  /// Starts the next step of the stage, which has `of` parts.
+  void begin_step(std::size_t of) {
     const std::lock_guard lock(mutex_);
-    if (of == 0) return stage_;
-    return stage_ + ", " + std::to_string(100 * done / of) + " %";
+    ++step_;
+    done_ = 0;
+    of_ = of;
+  }
+  /// Tells how many parts of the step are done. Several threads may tell it in any order.
+  void advance(std::size_t done) noexcept {
+    std::size_t before = done_.load(std::memory_order_relaxed);
+    while (before < done && !done_.compare_exchange_weak(before, done, std::memory_order_relaxed)) {
+    }
+  }
+  /// The stage and its progress, which never goes back: "objects[2].mesh, 40 %", then
+  /// "objects[2].mesh, step 2, 10 %".
+  std::string progress() const {
+    const std::lock_guard lock(mutex_);
+    if (of_ == 0) return stage_;
+    return stage_ + (step_ > 1 ? ", step " + std::to_string(step_) : "") + ", " +
+           std::to_string(100 * done_ / of_) + " %";
   }
 
  private:
   std::atomic<bool> cancelled_{false};
-  std::atomic<std::size_t> done_{0}, of_{0};
-  mutable std::mutex mutex_;
+  std::atomic<std::size_t> done_{0};
+  mutable std::mutex mutex_;  // of the members below
   std::string stage_;
+  std::size_t step_ = 0, of_ = 0;
 };
 
 inline thread_local CancellableWork* work_of_this_thread = nullptr;
