@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <chrono>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -10,16 +11,19 @@
 namespace feltwire {
 
 struct DemoHandsSetup {
-  std::filesystem::path client;          // the program feltwire-client
-  std::string server;                    // HOST:PORT of the control port from this machine
-  std::string fingerprint;               // of the server's certificate
-  std::filesystem::path token;           // file with a token that opens the scenes
-  std::filesystem::path logs;            // folder for what the hands say
-  std::vector<std::string> scenes = {};  // their names
+  std::filesystem::path client;              // the program feltwire-client
+  std::string server;                        // HOST:PORT of the control port from this machine
+  std::string fingerprint;                   // of the server's certificate
+  std::filesystem::path token;               // file with a token that opens the scenes
+  std::filesystem::path logs;                // folder for what the hands say
+  std::vector<std::string> scenes = {};      // their names
+  std::chrono::milliseconds patience{5000};  // of end(), before a hand is killed
 };
 
 /// Owns two hands in each scene. One draws an eight on the surface at the scene's start, and one
-/// taps on it. An admin may change their laws. A hand that ends is not started again.
+/// taps on it. An admin may change their laws. A hand that ends is not started again. Hands get no
+/// file or socket of this process. They end if the thread that made this object does, however it
+/// ends.
 class DemoHands {
  public:
   DemoHands() = default;
@@ -29,13 +33,23 @@ class DemoHands {
   DemoHands(const DemoHands&) = delete;
   DemoHands& operator=(const DemoHands&) = delete;
 
-  /// Tells the hands to end, and waits until they have left. May be called again.
+  /// Returns a line for each hand that has ended since the last call, in words for the log.
+  std::vector<std::string> ended();
+
+  /// Tells the hands to end, also stopped ones, and waits until they have left. A hand that stays
+  /// for longer than the patience is killed. May be called again.
   void end() noexcept;
 
  private:
+  struct Hand {
+    pid_t process = 0;
+    std::string what;  // "left-hand of scene room"
+    std::filesystem::path log;
+  };
   void start(const DemoHandsSetup& setup, const std::string& scene, const std::string& name,
              const std::string& device);
-  std::vector<pid_t> hands_;
+  std::vector<Hand> hands_;
+  std::chrono::milliseconds patience_{0};
 };
 
 }  // namespace feltwire

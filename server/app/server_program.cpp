@@ -131,6 +131,12 @@ std::unique_ptr<DemoHands> start_demo(const ServerConfig& config, const Server& 
     throw std::runtime_error(
         "--demo: there is no feltwire-client beside this program; install it there");
   for (const auto& scene : server.scenes()) setup.scenes.push_back(scene.scene);
+  if (!std::filesystem::exists(setup.token))
+    throw std::runtime_error(
+        "--demo: its hands need " + setup.token.string() +
+        ", which only a first start makes; make it with feltwire-server token add --client demo "
+        "--scene '*' --role operator --expires never --state " +
+        shell_word(setup.logs.string()) + " --out " + shell_word(setup.token.string()));
   auto hands = std::make_unique<DemoHands>(setup);
   std::printf("demo: two simulated hands in each scene; what they say: %s\n",
               visible((setup.logs / "demo-1.log").string()).c_str());
@@ -153,8 +159,8 @@ int check_config(const ServerConfig& config) {
   return 0;
 }
 
-/// Serves until SIGINT or SIGTERM. Precondition: every thread blocks these signals, SIGUSR1 and
-/// SIGHUP. Returns false if a thread still hangs because a file that it reads does not answer.
+/// Serves until SIGINT or SIGTERM. Precondition: every thread blocks these signals, SIGUSR1, SIGHUP
+/// and SIGCHLD. Returns false if a thread still hangs because a file that it reads does not answer.
 /// `demo`: the hands of --demo, or null.
 bool serve(Server& server, const sigset_t& signals, const std::string& summary, DemoHands* demo) {
   const auto count = [&] {
@@ -175,7 +181,11 @@ bool serve(Server& server, const sigset_t& signals, const std::string& summary, 
       spdlog::error("{}; the certificate stays as it was", error.what());
     }
   };
-  const int signal = wait_for_end(signals, {write_all, reload});
+  const auto look_at_hands = [&] {
+    if (demo == nullptr) return;
+    for (const std::string& ended : demo->ended()) spdlog::warn("demo: {}", ended);
+  };
+  const int signal = wait_for_end(signals, {write_all, reload, look_at_hands});
   spdlog::info("{}: saying goodbye", signal == SIGINT ? "interrupted" : "terminated");
   tell_service_manager("STOPPING=1");
   if (demo != nullptr) demo->end();
