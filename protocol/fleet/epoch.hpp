@@ -27,15 +27,20 @@ struct Epoch {
   friend constexpr bool operator>=(const Epoch& a, const Epoch& b) noexcept { return !(a < b); }
 };
 
-/// The lowest epoch of this holder that is above `highest`, whoever holds that.
+/// No fleet comes to a later term. An epoch beyond it is damaged or forged: the terms after it
+/// would begin at 0 again, and two claims would have the same epoch.
+inline constexpr std::uint64_t kMostTerm = std::uint64_t{1} << 62;
+constexpr bool possible(const Epoch& epoch) noexcept { return epoch.term <= kMostTerm; }
+
+/// The epoch of this holder in the term after `highest`, whoever holds that.
 constexpr Epoch next_epoch(const Epoch& highest, HostNumber holder) noexcept {
   return {highest.term + 1, holder};
 }
 
-/// Raises `highest` to `offered`. Returns false, and changes nothing, if `offered` is lower: the
-/// offer is of a former owner and must be refused.
+/// Raises `highest` to `offered`. Returns false, and changes nothing, if `offered` is lower, and so
+/// of a former owner, or is not possible: the offer must be refused.
 constexpr bool admit(Epoch& highest, const Epoch& offered) noexcept {
-  if (offered < highest) return false;
+  if (offered < highest || !possible(offered)) return false;
   highest = offered;
   return true;
 }

@@ -15,10 +15,13 @@ namespace feltwire {
 /// acknowledged. It grows with the number of scenes; the caller admits only scenes that it knows.
 class EpochMemory {
  public:
-  /// Remembers the epoch. Returns false if a higher one was seen of this scene: refuse it.
+  /// Remembers the epoch. Returns false if a higher one was seen of this scene, or if it is not
+  /// possible: refuse it.
   [[nodiscard]] bool admit(std::string_view scene, const Epoch& offered) {
     const auto known = highest_.find(scene);
     if (known != highest_.end()) return feltwire::admit(known->second, offered);
+    Epoch none;
+    if (!feltwire::admit(none, offered)) return false;
     highest_.emplace(scene, offered);
     return true;
   }

@@ -23,6 +23,8 @@ bool see_epoch(SceneOwnership& scene, const Epoch& seen) {
 bool see_record(SceneOwnership& scene, const SceneRecord& record, std::uint64_t revision) {
   scene.stored = record.version;
   scene.revision = revision;
+  // A damaged record is replaced by the next claim.
+  if (!possible(record.version.epoch)) return false;
   // While it serves, its own record is the newest of its epoch.
   if (record.version > scene.record.version) scene.record = record;
   return see_epoch(scene, record.version.epoch);
@@ -39,7 +41,7 @@ SceneRecord claim(SceneOwnership& scene, const HostName& self, const SceneDigest
 bool finish_claim(SceneOwnership& scene, const SceneRecord& claimed, std::uint64_t revision) {
   const Epoch& epoch = claimed.version.epoch;
   see_record(scene, claimed, revision);
-  if (epoch < scene.highest) return false;
+  if (!possible(epoch) || epoch < scene.highest) return false;
   scene.serving = epoch;
   return true;
 }

@@ -10,6 +10,7 @@
 #include "core/base/enum_names.hpp"
 #include "core/base/file_error.hpp"
 #include "core/base/json_document.hpp"
+#include "core/base/utf8.hpp"
 #include "server/access/json_text.hpp"
 #include "server/fleet/ticket_generated.h"
 #include "server/fleet/ticket_text.hpp"
@@ -62,7 +63,9 @@ std::string hex(const ReplayCache::Nonce& nonce) {
   return sodium_bin2hex(text.data(), text.size(), nonce.data(), nonce.size());
 }
 
-bool is_name(std::string_view text) { return !text.empty() && text.size() <= kMaxTicketName; }
+bool is_name(std::string_view text) {
+  return !text.empty() && text.size() <= kMaxTicketName && is_utf8(text);
+}
 
 /// Reads a payload that a host of the fleet has signed.
 std::optional<Ticket> read_payload(const std::string& payload) {
@@ -96,6 +99,9 @@ std::optional<Ticket> read_payload(const std::string& payload) {
 }  // namespace
 
 std::string issue_ticket(Ticket ticket, const paseto::SigningKey& key) {
+  for (const std::string& name : {ticket.scene, ticket.client, ticket.host})
+    if (!is_name(name))
+      throw std::invalid_argument("a name in a ticket must have 1 to 128 bytes of UTF-8");
   if (sodium_init() < 0) throw std::runtime_error("libsodium finds no source of random numbers");
   randombytes_buf(ticket.nonce.data(), ticket.nonce.size());
   using json_text::text;
@@ -116,12 +122,16 @@ std::string_view name(TicketRefusal refusal) { return enum_name(kRefusalNames, r
 
 void TicketKeys::set(const std::string& host, std::span<const paseto::PublicKey> keys) {
   forget(host);
-  for (const paseto::PublicKey& key : keys.first(std::min(keys.size(), kMostTicketKeys)))
-    keys_[footer_of(key)] = {host, key};
+  for (const paseto::PublicKey& key : keys.first(std::min(keys.size(), kMostTicketKeys))) {
+    Key& known = keys_[footer_of(key)];
+    known.key = key;
+    known.hosts.insert(host);
+  }
 }
 
 void TicketKeys::forget(const std::string& host) {
-  std::erase_if(keys_, [&](const auto& entry) { return entry.second.host == host; });
+  for (auto& [footer, key] : keys_) key.hosts.erase(host);
+  std::erase_if(keys_, [](const auto& entry) { return entry.second.hosts.empty(); });
 }
 
 const paseto::PublicKey* TicketKeys::find(std::string_view footer) const {
@@ -129,9 +139,20 @@ const paseto::PublicKey* TicketKeys::find(std::string_view footer) const {
   return found != keys_.end() ? &found->second.key : nullptr;
 }
 
+void TicketGate::see_clock(std::chrono::sys_seconds now) {
+  if (now > latest_) {
+    // A day is longer than any period here. A wrong clock may say any year.
+    elapsed_ += std::min<std::chrono::seconds>(now - latest_, std::chrono::days(1));
+    latest_ = now;
+  } else if (now < latest_ - kMostClockError) {
+    used_until_ = newest_used_;
+    latest_ = now;
+  }
+}
+
 TicketGate::Checked TicketGate::check(std::string_view text, const TicketPlace& place,
                                       const TicketKeys& keys, std::chrono::sys_seconds now) {
-  latest_ = std::max(latest_, now);
+  see_clock(now);
   const auto footer = paseto::unverified_footer(text);
   if (!footer) return {TicketRefusal::malformed, {}};
   const paseto::PublicKey* const key = keys.find(*footer);
@@ -144,10 +165,11 @@ TicketGate::Checked TicketGate::check(std::string_view text, const TicketPlace& 
   if (ticket->scene != place.scene) return refused(TicketRefusal::wrong_scene);
   if (ticket->host != place.host) return refused(TicketRefusal::wrong_host);
   if (ticket->epoch != place.epoch) return refused(TicketRefusal::wrong_epoch);
-  if (latest_ >= ticket->issued + kTicketLifetime + kMostClockError)
+  if (latest_ >= ticket->issued + kTicketLifetime + kMostClockError ||
+      (used_until_ && ticket->issued <= *used_until_))
     return refused(TicketRefusal::expired);
   if (latest_ < ticket->issued - kMostClockError) return refused(TicketRefusal::early);
-  switch (used_.use(ticket->nonce, latest_.time_since_epoch())) {
+  switch (used_.use(ticket->nonce, elapsed_)) {
     case ReplayCache::Use::again:
       return refused(TicketRefusal::used);
     case ReplayCache::Use::full:
@@ -155,6 +177,7 @@ TicketGate::Checked TicketGate::check(std::string_view text, const TicketPlace& 
     case ReplayCache::Use::first:
       break;
   }
+  newest_used_ = std::max(newest_used_, ticket->issued);
   return {std::nullopt, *ticket};
 }
 

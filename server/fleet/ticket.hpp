@@ -9,6 +9,7 @@
 #include <chrono>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -35,7 +36,8 @@ struct Ticket {
   friend bool operator==(const Ticket&, const Ticket&) = default;
 };
 
-/// Signs the ticket with a new nonce (end_without_random_numbers()), whatever nonce it has.
+/// Signs the ticket with a new nonce (end_without_random_numbers()), whatever nonce it has. Throws
+/// std::invalid_argument for a name that is empty, too long or not UTF-8: no host would read it.
 std::string issue_ticket(Ticket ticket, const paseto::SigningKey& key);
 
 /// Why a ticket opens nothing, in the order of the checks.
@@ -56,7 +58,8 @@ std::string_view name(TicketRefusal refusal);
 /// The keys of all hosts of a fleet whose tickets are accepted.
 class TicketKeys {
  public:
-  /// Takes the place of the host's former keys. Keys beyond kMostTicketKeys are left out.
+  /// Takes the place of the host's former keys. Keys beyond kMostTicketKeys are left out. A key
+  /// that several hosts announce is accepted until the last of them is forgotten.
   void set(const std::string& host, std::span<const paseto::PublicKey> keys);
   void forget(const std::string& host);
   /// The key with this footer of tickets; null: there is none.
@@ -65,7 +68,7 @@ class TicketKeys {
 
  private:
   struct Key {
-    std::string host;
+    std::set<std::string> hosts;  // that have announced it
     paseto::PublicKey key{};
   };
   std::map<std::string, Key, std::less<>> keys_;  // by footer
@@ -88,13 +91,20 @@ class TicketGate {
     std::optional<TicketRefusal> refusal;  // empty: the ticket opens the scene, this once
     Ticket ticket;                         // unless it is malformed, forged or of an unknown key
   };
-  /// A clock that is set back does not make an expired ticket valid: the gate keeps the latest time
-  /// that it has seen, so tickets are refused until the clock has come there again.
+  /// `now` may run back. By kMostClockError at most, it counts as standing still. A clock that is
+  /// set back by more makes no used ticket valid: tickets that are not newer than the newest used
+  /// one count as expired. New ones are accepted at once.
   Checked check(std::string_view text, const TicketPlace& place, const TicketKeys& keys,
                 std::chrono::sys_seconds now);
 
  private:
-  std::chrono::sys_seconds latest_{};
+  void see_clock(std::chrono::sys_seconds now);
+
+  std::chrono::sys_seconds latest_{};       // since the clock was set back
+  std::chrono::sys_seconds newest_used_{};  // issue of a ticket
+  std::optional<std::chrono::sys_seconds>
+      used_until_;          // at the last time that the clock was set back
+  Nanoseconds elapsed_{0};  // never runs back
   ReplayCache used_;
 };
 

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <limits>
+
 #include "protocol/fleet/epoch_memory.hpp"
 #include "protocol/fleet/session_epoch.hpp"
 
@@ -31,6 +34,23 @@ TEST(Epoch, MemoryRefusesALowerOneOfTheSameScene) {
   EXPECT_TRUE(memory.admit("room", {3, kB}));
   EXPECT_FALSE(memory.admit("room", {3, kA}));
   EXPECT_EQ(memory.scenes(), 2u);
+}
+
+/// With such a term the next one would be 0, and each claim after it the same.
+TEST(Epoch, ATermThatNoFleetReachesIsRefused) {
+  constexpr Epoch kForged{std::numeric_limits<std::uint64_t>::max(), kB};
+  Epoch highest{3, kA};
+  EXPECT_FALSE(admit(highest, kForged));
+  EXPECT_EQ(highest, (Epoch{3, kA}));
+  EpochMemory memory;
+  EXPECT_FALSE(memory.admit("room", kForged));
+  EXPECT_EQ(memory.scenes(), 0u);
+  SessionEpoch client;
+  EXPECT_FALSE(take_session(client, kForged));
+  EXPECT_FALSE(hear_epoch(client, kForged));
+  EXPECT_EQ(client, SessionEpoch{});
+  EXPECT_TRUE(admit(highest, {kMostTerm, kB}));
+  EXPECT_FALSE(admit(highest, next_epoch(highest, kB)));
 }
 
 TEST(Epoch, AClientTakesNoSessionOfAFormerOwner) {

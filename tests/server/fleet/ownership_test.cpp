@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <limits>
+
 namespace feltwire::ownership_test {
 namespace {
 
@@ -49,6 +52,26 @@ TEST(Ownership, EachClaimHasAnEpochOfItsOwn) {
   EXPECT_GT(second.version.epoch, first.version.epoch);
   see_epoch(scene, {7, kB.number});
   EXPECT_EQ(claim(scene, kA, kDigest).version.epoch, (Epoch{8, kA.number}));
+}
+
+/// A damaged record must not end the scene for ever: terms after the last one begin at 0 again.
+TEST(Ownership, AClaimReplacesARecordOfAnImpossibleTerm) {
+  SceneRecord forged = with_standby();
+  forged.version.epoch = {std::numeric_limits<std::uint64_t>::max(), kC.number};
+  forged.owner = kC;
+  SceneOwnership serving = owner();
+  EXPECT_FALSE(see_record(serving, forged, 6));
+  EXPECT_TRUE(serving.serving) << "it goes on";
+  EXPECT_NE(record_to_write(serving), std::nullopt) << "and writes its own record again";
+  SceneOwnership reader = reader_of(forged);
+  EXPECT_EQ(answer_join(reader, {}), JoinAnswer::unknown) << "no redirect to a forged owner";
+  EXPECT_FALSE(take_over(reader, kB));
+  const SceneRecord record = claim(reader, kB, kDigest);
+  EXPECT_EQ(record.version.epoch, (Epoch{1, kB.number}));
+  EXPECT_EQ(reader.revision, 5u) << "of the entry that the claim replaces";
+  EXPECT_TRUE(finish_claim(reader, record, 7));
+  EXPECT_EQ(record_to_write(reader), std::nullopt);
+  EXPECT_EQ(answer_join(reader, {}), JoinAnswer::accepted);
 }
 
 TEST(Ownership, AClaimThatIsAnsweredTooLateServesNothing) {

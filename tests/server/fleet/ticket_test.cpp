@@ -6,6 +6,8 @@
 
 #include <functional>
 #include <limits>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "server/fleet/signing_keys.hpp"
@@ -88,6 +90,43 @@ TEST_F(Tickets, AClockThatIsSetBackRevivesNone) {
   EXPECT_EQ(check(unused, kNow + 40s), TicketRefusal::expired);
   EXPECT_EQ(check(unused, kNow), TicketRefusal::expired);
   EXPECT_EQ(check(used, kNow), TicketRefusal::expired);
+}
+
+/// A wrong clock for a moment, as after a machine was resumed, must not end the tickets of a host.
+TEST_F(Tickets, AClockThatJumpsAndComesBackTakesNewOnes) {
+  const std::string used = issued(), unused = issued();
+  EXPECT_EQ(check(used), std::nullopt);
+  EXPECT_EQ(check(unused, kNow + 24h), TicketRefusal::expired);
+  const auto later = [](Ticket& t) { t.issued = kNow + 2s; };
+  const std::string fresh = issued(later);
+  EXPECT_EQ(check(fresh, kNow + 3s), std::nullopt);
+  EXPECT_EQ(check(fresh, kNow + 3s), TicketRefusal::used);
+  EXPECT_EQ(check(used, kNow + 3s), TicketRefusal::expired) << "its use is forgotten by now";
+  EXPECT_EQ(check(issued(later), kNow - 10s), TicketRefusal::expired) << "set back again";
+}
+
+TEST_F(Tickets, ASmallStepBackRefusesNone) {
+  EXPECT_EQ(check(issued(), kNow + 5s), std::nullopt);
+  EXPECT_EQ(check(issued(), kNow), std::nullopt);
+}
+
+TEST_F(Tickets, ANameThatNoHostWouldReadIsNotSigned) {
+  for (const std::string& wrong : {std::string(), std::string(129, 'a'), std::string("\xff")}) {
+    EXPECT_THROW(issued([&](Ticket& t) { t.scene = wrong; }), std::invalid_argument);
+    EXPECT_THROW(issued([&](Ticket& t) { t.client = wrong; }), std::invalid_argument);
+    EXPECT_THROW(issued([&](Ticket& t) { t.host = wrong; }), std::invalid_argument);
+  }
+  EXPECT_EQ(check(issued([](Ticket& t) { t.client = std::string(128, 'a'); })), std::nullopt);
+}
+
+/// A host that copies another's public key from the directory must not end the other's tickets.
+TEST_F(Tickets, AKeyThatTwoHostsAnnounceStays) {
+  keys_.set("host-c", signing_.valid());
+  EXPECT_EQ(keys_.size(), 1u);
+  keys_.forget("host-c");
+  EXPECT_EQ(check(issued()), std::nullopt);
+  keys_.forget("host-a");
+  EXPECT_EQ(check(issued()), TicketRefusal::unknown_key);
 }
 
 TEST_F(Tickets, NoOtherTextIsOne) {
