@@ -11,6 +11,7 @@
 #include "client/app/rival_options.hpp"
 #include "client/app/session_settings.hpp"
 #include "core/base/file_error.hpp"
+#include "core/base/token_text.hpp"
 #include "core/build_info/build_info.hpp"
 #include "protocol/command_line/command_error.hpp"
 #include "protocol/command_line/config_file.hpp"

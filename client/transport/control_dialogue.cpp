@@ -6,6 +6,8 @@
 #include <variant>
 #include <vector>
 
+#include "core/base/token_text.hpp"
+
 namespace feltwire {
 namespace {
 
@@ -25,6 +27,10 @@ ControlDialogue::ControlDialogue(const ServerAccess& server, std::chrono::millis
 
 control::Message ControlDialogue::ask(const control::Message& question) {
   const std::vector<std::uint8_t> frame = control::encode(question);
+  if (has_token({reinterpret_cast<const char*>(frame.data()), frame.size()}))
+    throw LastingError(
+        "a name is an access token, and names are shown and logged; nothing was sent. Give the "
+        "token with --token-file, and another name");
   if (let_in_) {
     stream_.write(frame);
     return receive();

@@ -20,7 +20,8 @@ class ControlDialogue {
 
   /// Sends a question and returns its answer. The token goes with the first question: the server
   /// answers one after the other. Blocks. Throws SessionError, or LastingError if the same question
-  /// would be refused again; the connection is of no use then.
+  /// would be refused again, or has an access token in the place of a name; the connection is of no
+  /// use then.
   control::Message ask(const control::Message& question);
 
   /// Asks as ask() does, and returns an answer of the type Expected. Another answer is a

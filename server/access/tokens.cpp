@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "core/base/json_document.hpp"
+#include "core/base/token_text.hpp"
 #include "protocol/wire/control.hpp"
 #include "server/access/json_text.hpp"
 #include "server/access/tokens_generated.h"
@@ -17,7 +18,6 @@
 namespace feltwire {
 namespace {
 
-constexpr std::string_view kPrefix = "fw_";
 constexpr std::size_t kIdBytes = 6, kIdDigits = 2 * kIdBytes;
 constexpr std::size_t kSecretBytes = 32;
 constexpr int kBase64 = sodium_base64_VARIANT_URLSAFE_NO_PADDING;
@@ -91,10 +91,10 @@ struct Shown {
 };
 
 void read(std::string_view text, Shown& shown) {
-  if (text.size() != kPrefix.size() + kIdDigits + 1 + kSecretDigits || !text.starts_with(kPrefix) ||
-      text[kPrefix.size() + kIdDigits] != '_')
+  if (text.size() != kTokenPrefix.size() + kIdDigits + 1 + kSecretDigits ||
+      !text.starts_with(kTokenPrefix) || text[kTokenPrefix.size() + kIdDigits] != '_')
     return;
-  shown.id = text.substr(kPrefix.size(), kIdDigits);
+  shown.id = text.substr(kTokenPrefix.size(), kIdDigits);
   const std::string_view secret = text.substr(text.size() - kSecretDigits);
   std::size_t size = 0;
   const char* end = nullptr;
@@ -122,6 +122,8 @@ bool expired(const Token& token, CalendarTime now) {
 IssuedToken issue_token(std::string client, std::string scene, Role role,
                         std::optional<CalendarTime> expires, double lead_share, std::string seat) {
   need_sodium();
+  if (has_token(client) || has_token(scene))
+    throw std::invalid_argument("a name is an access token, and names are shown; choose another");
   if (const std::string wrong = complaint(client); !wrong.empty())
     throw std::invalid_argument("the client's name " + wrong);
   if (const std::string wrong = complaint(scene); !wrong.empty())
@@ -154,7 +156,7 @@ IssuedToken issue_token(std::string client, std::string scene, Role role,
   sodium_bin2base64(text.data(), text.size(), secret.data(), secret.size(), kBase64);
   sodium_memzero(secret.data(), secret.size());
   text.pop_back();
-  text.insert(0, std::string(kPrefix) + token.id + "_");
+  text.insert(0, std::string(kTokenPrefix) + token.id + "_");
   issued.text = Secret(text);
   wipe(text);
   return issued;

@@ -39,9 +39,9 @@ bool opens(const Token& token, std::string_view scene);
 bool expired(const Token& token, CalendarTime now);
 
 /// Makes a new token, and the text for its holder: `fw_<id>_<secret>`, which is stored nowhere
-/// else. Throws std::invalid_argument if a name is empty, too long or has control characters, and
-/// for a share that does not exist or a role that leads no robot, or a seat for a role that takes
-/// none.
+/// else. Throws std::invalid_argument if a name is empty, too long, an access token or has control
+/// characters, and for a share that does not exist or a role that leads no robot, or a seat for a
+/// role that takes none.
 struct IssuedToken {
   Token token;
   Secret text;

@@ -10,16 +10,20 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 
+#include "core/base/token_text.hpp"
 #include "core/base/visible_text.hpp"
 
 namespace feltwire {
 namespace {
 
+std::string_view view(spdlog::string_view_t text) { return {text.data(), text.size()}; }
+
 class VisibleFormatter final : public spdlog::formatter {
  public:
   void format(const spdlog::details::log_msg& message, spdlog::memory_buf_t& line) override {
-    const std::string text = visible({message.payload.data(), message.payload.size()});
+    const std::string text = visible(without_tokens(view(message.payload)));
     spdlog::details::log_msg shown = message;
     shown.payload = text;
     pattern_.format(shown, line);
@@ -37,9 +41,9 @@ class VisibleFormatter final : public spdlog::formatter {
 class JsonFormatter final : public spdlog::formatter {
  public:
   void format(const spdlog::details::log_msg& message, spdlog::memory_buf_t& line) override {
-    const auto text = [](spdlog::string_view_t part) {
+    const auto text = [](std::string_view part) {
       // Bytes that are not UTF-8 become U+FFFD.
-      return nlohmann::json(std::string(part.data(), part.size()))
+      return nlohmann::json(std::string(part))
           .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     };
     const auto since = message.time.time_since_epoch();
@@ -51,7 +55,7 @@ class JsonFormatter final : public spdlog::formatter {
         std::back_inserter(line),
         R"({{"time":"{:%Y-%m-%dT%H:%M:%S}.{:06}Z","level":"{}","program":{},"text":{}}})", utc,
         micros % 1'000'000, spdlog::string_view_t(spdlog::level::to_string_view(message.level)),
-        text(message.logger_name), text(message.payload));
+        text(view(message.logger_name)), text(without_tokens(view(message.payload))));
     line.push_back('\n');
   }
   std::unique_ptr<spdlog::formatter> clone() const override {

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "core/base/token_text.hpp"
 #include "core/base/visible_text.hpp"
 #include "protocol/crypto/tls.hpp"
 #include "protocol/net/clock.hpp"
@@ -102,6 +103,11 @@ std::optional<Refused> ControlService::refuse_join(const Token& token,
     return request_limits_.refuse(RefusalCode::forbidden,
                                   "this token is for " + holder(token.role) +
                                       ", it does not join as " + std::string(name(request.role)));
+  for (const std::string& given : {request.client, request.device.name, request.tool})
+    if (has_token(given))
+      return request_limits_.refuse(RefusalCode::forbidden,
+                                    "a name in the request is an access token; names are shown to "
+                                    "others, so choose another one");
   // Do not tell the holder of this token whether the scene exists.
   if (!opens(token, request.scene))
     return request_limits_.refuse(RefusalCode::forbidden,

@@ -13,6 +13,7 @@ using ::testing::AllOf;
 using testing::ControlPeer;
 using testing::error_of;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr milliseconds kPatience{10'000};
 
@@ -77,6 +78,22 @@ TEST(Join, AsksForWhatWasWantedAndFindsTheScenePort) {
 }
 
 // An older server without tools ignores the requested tool.
+/// A token is easily given for a name. Names are shown to others and logged.
+TEST(Join, ATokenIsNeverSentAsAName) {
+  const std::string token = "fw_0123456789ab_SHVXhD4MlOFA";
+  for (std::string control::JoinRequest::*const name :
+       {&control::JoinRequest::client, &control::JoinRequest::scene, &control::JoinRequest::tool,
+        &control::JoinRequest::seat}) {
+    ControlPeer peer(control::encode(control::Refused{}));
+    control::JoinRequest wanted = request();
+    wanted.*name = token;
+    const std::string error =
+        error_of<LastingError>([&] { join(peer.access(), wanted, kPatience); });
+    EXPECT_THAT(error, AllOf(HasSubstr("nothing was sent"), Not(HasSubstr(token))));
+    EXPECT_FALSE(peer.request().has_value());
+  }
+}
+
 TEST(Join, AToolThatTheServerDoesNotGiveIsNoSession) {
   control::JoinAccepted accepted;
   accepted.session = 77;

@@ -159,6 +159,12 @@ TEST(Log, SaysWhoDidWhatAndHowEachSessionEnded) {
     parameters.velocity_cutoff = 50.0;
     admin.ask<control::ParametersSet>(control::SetParameters{first, parameters});
     admin.ask<control::ParametersSet>(control::SetParameters{first, parameters});
+    control::JoinRequest careless = request;
+    careless.client = anna.text.text();
+    EXPECT_EQ(client.ask<control::Refused>(careless).code, control::RefusalCode::forbidden);
+    careless = request;
+    careless.scene = anna.text.text();
+    EXPECT_EQ(client.ask<control::Refused>(careless).code, control::RefusalCode::unknown_scene);
     control::JoinRequest taker = request;
     taker.client = "right hand";
     taker.takes.laws = LawsTaken::any;
@@ -187,6 +193,9 @@ TEST(Log, SaysWhoDidWhatAndHowEachSessionEnded) {
     EXPECT_TRUE(std::regex_search(outcome.error, std::regex(line))) << line << "\n"
                                                                     << outcome.error;
   };
+  EXPECT_THAT(outcome.error, Not(HasSubstr(std::string(anna.text.text()))));
+  logged("fw_[.]{3} .* could not join scene room: a name in the request is an access token");
+  logged("could not join scene fw_[.]{3} there is no scene 'fw_[.]{3}'");
   logged(who + ": parameters set by " + by + ": velocity_cutoff 0 -> 50");
   logged(who + ": " + by + " asks for the parameters that it has");
   logged("right hand .*: its client is asked by " + by + " for another law");

@@ -264,6 +264,19 @@ TEST(Operation, TheLogCanBeJson) {
               ::testing::MatchesRegex("[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9:]{8}[.][0-9]{6}Z"));
 }
 
+TEST(Operation, TheLogShowsNoToken) {
+  const std::string token = "fw_0123456789ab_SHVXhD4MlOFA";
+  for (const auto make : {visible_log_format, json_log_format}) {
+    spdlog::memory_buf_t line;
+    const std::string text = token + " (client anna) could not join scene '" + token + "'";
+    make()->format({"program", spdlog::level::warn, text}, line);
+    const std::string written(line.begin(), line.end());
+    EXPECT_THAT(written,
+                ::testing::AllOf(HasSubstr("fw_... (client anna) could not join scene 'fw_...'"),
+                                 ::testing::Not(HasSubstr(token))));
+  }
+}
+
 /// The program tells systemd when its ports are open.
 TEST(Operation, TheServiceManagerLearnsOfTheStart) {
   const std::string place = path("notify");
