@@ -18,6 +18,7 @@
 #include "core/base/visible_text.hpp"
 #include "protocol/command_line/command_error.hpp"
 #include "protocol/command_line/environment.hpp"
+#include "protocol/command_line/strict_values.hpp"
 #include "protocol/command_line/suggestion.hpp"
 #include "protocol/session/bound_words.hpp"
 
@@ -366,7 +367,7 @@ int admin_command(int argc, char** argv) {
     std::fwrite(text.data(), 1, text.size(), stdout);
   };
   try {
-    app.parse(argc, argv);
+    parse_arguments(app, argc, argv);
     run(commands, {parse_endpoint(words.connect), credentials(words.credentials)}, words, print);
     return 0;
   } catch (const CLI::ParseError& error) {
@@ -385,6 +386,8 @@ std::string admin_answer(const ServerAccess& server, const std::vector<std::stri
   AdminWords read;
   const std::vector<AdminCommand> commands = add_commands(app, read, {});
   try {
+    refuse_missing_values(app, words);
+    refuse_misread_values(app);
     app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::ParseError& error) {
     throw std::invalid_argument(error.get_exit_code() == 0

@@ -15,6 +15,7 @@
 #include "core/device/spec_text.hpp"
 #include "protocol/command_line/command_error.hpp"
 #include "protocol/command_line/environment.hpp"
+#include "protocol/command_line/strict_values.hpp"
 #include "protocol/command_line/suggestion.hpp"
 
 namespace feltwire {
@@ -89,7 +90,7 @@ int devices_command(int argc, char** argv) {
       ->excludes(asked);
   try {
     check_words(app, argc, argv, {{"firmware", "--rate falcon:firmware=FILE"}});
-    app.parse(argc, argv);
+    parse_arguments(app, argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
     std::fprintf(stderr, "feltwire-client devices: %s; see --help\n",

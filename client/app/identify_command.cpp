@@ -27,6 +27,7 @@
 #include "core/device/spec_text.hpp"
 #include "protocol/command_line/command_error.hpp"
 #include "protocol/command_line/environment.hpp"
+#include "protocol/command_line/strict_values.hpp"
 #include "protocol/command_line/suggestion.hpp"
 #include "protocol/net/real_time.hpp"
 
@@ -240,7 +241,7 @@ int identify_command(int argc, char** argv) {
       "Start without a question. Nobody may hold the device, and its workspace must be clear");
   try {
     check_words(app, argc, argv, {{"firmware", "--device falcon:firmware=FILE"}});
-    app.parse(argc, argv);
+    parse_arguments(app, argc, argv);
     identify(words);
     return 0;
   } catch (const CLI::ParseError& error) {

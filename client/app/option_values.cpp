@@ -137,6 +137,7 @@ void choose_device(const OptionValues& values, HandTask task, ClientOptions& opt
   DriverChoice chosen = chosen_driver(values.device.kind);
   task.path = options.check ? HandPath::press : hand_path(values.device.hand.path);
   if (values.device.hand.center) task.center = vector(*values.device.hand.center);
+  require(task.center.allFinite(), "center of --device must be three finite numbers [m]");
   if (values.device.hand.normal) set_normal(task, vector(*values.device.hand.normal));
   require(std::abs(values.device.hand.wrist_angle) < std::numbers::pi,
           "wrist_angle of --device must be less than pi [rad]");

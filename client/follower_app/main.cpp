@@ -28,6 +28,7 @@
 namespace feltwire {
 namespace {
 
+constexpr int kBadUsage = 2;
 constexpr double kDriverTime = 60.0;        // [s] longest wait for the robot's driver to connect
 constexpr std::size_t kLinkRoom = 1 << 13;  // largest number of datagrams in transit, per direction
 
@@ -164,10 +165,6 @@ int main(int argc, char** argv) {
   Rivals rivals = exclusive({"surroundings", "arm", "socket"});
   rivals.push_back({"socket", "at"});  // --at sets the position of simulated robots only
   for (const Rival& rival : credential_rivals()) rivals.push_back(rival);
-  app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
-    return "feltwire-follower: " + printable_error(error.what() + advice(error, *failed)) +
-           "; see --help\n";
-  });
   ConfigFile config;
   try {
     read_environment(app, argc, argv, {.program = "follower", .shared = credential_variables()},
@@ -180,11 +177,12 @@ int main(int argc, char** argv) {
     parse_words(app, words_with_config(app, argc, argv, config, rivals, true));
     return follow(values);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0 || config.entries.empty()) return app.exit(error);
-    return refuse(config.located(error.what()) + advice(error, app) + "; see --help",
-                  error.get_exit_code());
+    if (error.get_exit_code() == 0) return app.exit(error);
+    return refuse((config.entries.empty() ? error.what() : config.located(error.what())) +
+                      advice(error, app) + "; see --help",
+                  kBadUsage);
   } catch (const std::invalid_argument& error) {
-    return refuse(config.located(error.what()), 1);
+    return refuse(config.located(error.what()), kBadUsage);
   } catch (const std::exception& error) {
     return refuse(error.what(), 1);
   }

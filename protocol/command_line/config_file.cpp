@@ -11,6 +11,7 @@
 #include "core/base/file_error.hpp"
 #include "core/base/json_document.hpp"
 #include "core/base/json_outline.hpp"
+#include "protocol/command_line/strict_values.hpp"
 #include "protocol/command_line/suggestion.hpp"
 
 namespace feltwire {
@@ -59,8 +60,11 @@ class Reader {
     std::replace(option.begin(), option.end(), '_', '-');
     const auto moved = std::ranges::find(renamed_, option, &RenamedOption::old);
     if (moved != renamed_.end()) fail(node, "is an old spelling; write " + moved->now);
-    fail(node, "is no option of this program" +
-                   (meant.empty() ? "; --help-all lists them" : "; did you mean " + meant + "?"));
+    fail(node,
+         "is no option of this program" +
+             (meant.empty() ? std::string("; --help") +
+                                  (app_.get_help_all_ptr() != nullptr ? "-all" : "") + " lists them"
+                            : "; did you mean " + meant + "?"));
   }
 
  private:
@@ -168,22 +172,13 @@ std::string value_of(const ConfigEntry& entry) {
   return word == "--" + entry.option ? "true" : "false";
 }
 
-/// Throws CLI::ValidationError for a number below 0 of an option that takes none. CLI11 would take
-/// 18446744073709551615 for -1.
-void refuse_negative(const CLI::App& app) {
-  for (const CLI::Option* option : app.get_options())
-    if (option->get_type_name() == "UINT")
-      for (const std::string& word : option->results())
-        if (word.starts_with('-'))
-          throw CLI::ValidationError(option->get_name(), "must be 0 or more, is " + word);
-}
-
 }  // namespace
 
 void parse_words(CLI::App& app, std::vector<std::string> words) {
+  refuse_missing_values(app, words);
+  refuse_misread_values(app);
   std::reverse(words.begin(), words.end());  // as CLI11 takes them
   app.parse(std::move(words));
-  refuse_negative(app);
 }
 
 std::optional<std::string> given_value(const CLI::App& app, int argc, const char* const* argv,

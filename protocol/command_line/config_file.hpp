@@ -70,7 +70,8 @@ std::vector<std::string> words_with_config(const CLI::App& app, int argc, const 
                                            const ConfigFile& file, const Rivals& rivals,
                                            bool reads_environment);
 
-/// Parses words in the order of a command line. Throws CLI::ParseError.
+/// Parses words in the order of a command line, with the checks of strict_values.hpp. Throws
+/// CLI::ParseError.
 void parse_words(CLI::App& app, std::vector<std::string> words);
 
 }  // namespace feltwire

@@ -59,6 +59,10 @@ SettingsText split_settings(std::string_view text, const CLI::App& keys, Setting
     const bool setting = named && std::ranges::count(known, name) > 0;
     const bool first = found.settings.empty();
     if ((setting && after_empty) || (part.empty() && !first)) refuse(option, kNothing);
+    if (named && name.empty() && (!first || begins == SettingsBegin::name))
+      refuse(option, "there is no name before " + part + "; write it");
+    if (begins == SettingsBegin::name && !named && std::ranges::count(known, part) > 0)
+      refuse(option, part + " has no value; write " + part + "=VALUE");
     const std::string meant = named && !setting ? nearest(name, known) : std::string();
     if (setting)
       found.settings.push_back(part);

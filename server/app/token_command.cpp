@@ -8,6 +8,7 @@
 #include "core/base/pending_file.hpp"
 #include "core/base/visible_text.hpp"
 #include "protocol/command_line/command_error.hpp"
+#include "protocol/command_line/strict_values.hpp"
 #include "protocol/command_line/suggestion.hpp"
 #include "server/access/json_text.hpp"
 #include "server/access/security.hpp"
@@ -129,7 +130,7 @@ int token_command(int argc, char** argv) {
       ->required();
   for (CLI::App* command : {adding, listing, revoking}) add_place(*command, config_file, given);
   try {
-    app.parse(argc, argv);
+    parse_arguments(app, argc, argv);
     ServerConfig config = config_file.empty() ? given : load_config(config_file);
     if (!given.state.empty()) config.state = given.state;
     if (!given.tokens.empty()) config.tokens = given.tokens;

@@ -18,6 +18,7 @@
 #include "core/device/device_file.hpp"
 #include "core/scene_file/load_scene.hpp"
 #include "protocol/command_line/command_error.hpp"
+#include "protocol/command_line/strict_values.hpp"
 #include "protocol/command_line/suggestion.hpp"
 #include "protocol/net/ports.hpp"
 #include "sim/emulator/link_relay.hpp"
@@ -341,7 +342,7 @@ int main(int argc, char** argv) {
   add_replay(app, std::cout, status);
   add_link(app);
   try {
-    app.parse(argc, argv);
+    parse_arguments(app, argc, argv);
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   } catch (const std::exception& e) {

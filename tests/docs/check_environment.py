@@ -6,7 +6,8 @@ port that it is told, or a file is missing. With all others of the group in the 
 feltwire-client are in tests/client/app/rival_options_test.cpp.
 
 Each program has variables of its own. A misspelled one, and one with the name of before, ends it with the right name. An option that ends the
-program has no variable: FELTWIRE_VERSION in a container's environment would end every program. An empty variable is refused. No error shows a token.
+program has no variable: FELTWIRE_VERSION in a container's environment would end every program. An empty variable is refused, and so is an empty value.
+No error shows a token. A number is decimal.
 
 usage: check_environment.py BIN_FOLDER SOURCE_FOLDER
 """
@@ -59,6 +60,32 @@ def groups(folder, source, place):
     yield ["feltwire-view", *access, "--scene", folder / "missing.json", "--web", "0"], trust, {}
 
 
+def refused_values():
+    """(program, further words, value, part of the error). Each was read as another value, and the last ones ended with an error of CLI11."""
+    empty, decimal, negative = "is empty; leave it out", "must be a decimal number", "must be 0 or more, is -1"
+    yield "feltwire-server", "--port", "06720", decimal
+    yield "feltwire-server", "--port", "0x1a40", decimal
+    yield "feltwire-server", "--record", "", empty
+    yield "feltwire-server", "--record=", "--demo", empty
+    yield "feltwire-view", "--web", "", empty
+    yield "feltwire-client", "--name", "", empty
+    yield "feltwire-client", "--rate", "0x3e8", decimal
+    yield "feltwire-client", "--token-file=", "token", empty
+    yield "feltwire-client", "devices", "--root", "", empty
+    yield "feltwire-client", "devices", "--rate", "simulated", "--seconds", "nan", "must be a number, is nan"
+    yield "feltwire-follower", "--name", "", empty
+    yield "feltwire-follower", "--duratoin", "1", "did you mean --duration?"
+    yield "feltwire-lab", "bound", "--period", "0x1p-10", decimal
+    yield "feltwire-soak", "--seed", "-1", negative
+    yield "feltwire-soak", "--seed", "010", decimal
+    yield "feltwire-soak", "--seed", "18446744073709551616", "is too large"
+    yield "feltwire-soak", "--seconds", "nan", "must be a number, is nan"
+    yield "feltwire-soak", "--clents", "3", "did you mean --clients?"
+    yield "feltwire-netbench", "--rounds", "010", decimal
+    yield "feltwire-netbench", "--seconds", "nan", "must be a number, is nan"
+    yield "feltwire-netbench", "--round", "3", "did you mean --rounds?"
+
+
 def main():
     programs, source = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
     wrong, pairs = [], 0
@@ -104,10 +131,14 @@ def main():
         for words in (["feltwire-client", "--duration"], ["feltwire-client", "admin", "sessions", "--connect"], ["feltwire-client", "devices"],
                       ["feltwire-client", "identify", "--device"], ["feltwire-follower", "--duration"], ["feltwire-lab", "bound", "--period"],
                       ["feltwire-server", "--port"], ["feltwire-server", "token", "list"], ["feltwire-view", "--log-level"],
-                      ["feltwire-bundle", folder / "a.tar.gz", "--lines"]):
+                      ["feltwire-bundle", folder / "a.tar.gz", "--lines"], ["feltwire-soak", "--seed"], ["feltwire-netbench", "--only"]):
             status, said = run([programs / words[0], *words[1:], SECRET], {}, folder)
             if status == 0 or SECRET in said or "fw_..." not in said:
                 wrong.append(f"{' '.join(map(str, words))} with a token: {status} {said}")
+        for *words, value, reason in refused_values():
+            status, said = run([programs / words[0], *words[1:], value], {}, folder)
+            if status != 2 or reason not in said or not said.startswith(words[0]) or "see --help" not in said:
+                wrong.append(f"{' '.join(words)} {value}: {status} {said}")
     print("\n".join(wrong + [f"{pairs} pairs, {len(wrong)} wrong"]))
     return 1 if wrong or pairs < 50 else 0
 

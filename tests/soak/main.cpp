@@ -9,6 +9,7 @@
 #include <exception>
 
 #include "core/build_info/build_info.hpp"
+#include "protocol/command_line/strict_values.hpp"
 #include "server/app/server.hpp"
 #include "tests/soak/soak.hpp"
 
@@ -49,7 +50,7 @@ int start(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--seed", options.seed, "Of what happens when")->capture_default_str();
   app.add_option("--scene", options.scene_file, "Scene file")->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto status = ends_at_arguments(app, argc, argv)) return *status;
   const Outcome outcome = soak::run(options);
   print(outcome);
   return outcome.holds() ? 0 : 1;

@@ -8,6 +8,7 @@
 #include <exception>
 
 #include "core/build_info/build_info.hpp"
+#include "protocol/command_line/strict_values.hpp"
 #include "tests/bench/net/measures.hpp"
 
 namespace feltwire::netbench {
@@ -188,7 +189,7 @@ int run(int argc, char** argv) {
   app.add_option("--record", record,
                  "FILE.mcap that the server records in `recording`. When not given: that is left "
                  "out");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto status = ends_at_arguments(app, argc, argv)) return *status;
   if (cores() < 2) throw std::runtime_error("two cores are needed: server and load have one each");
 
   if (record.empty() && std::find(only.begin(), only.end(), "recording") != only.end())

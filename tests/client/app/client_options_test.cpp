@@ -439,10 +439,27 @@ TEST(Options, ADriverIsChosenByItsKind) {
 }
 
 TEST(Options, ARoleThatIsNoneIsToldThoseThatThereAre) {
-  for (const char* none : {"viewer", "admin", "follower", ""})
+  for (const char* none : {"viewer", "admin", "follower"})
     EXPECT_THAT(
         refusal({"--role", none}),
         HasSubstr("--role must be operator, pointer or observer, is '" + std::string(none) + "'"));
+}
+
+TEST(Options, AValueThatWouldBeMisreadIsRefused) {
+  EXPECT_THAT(refusal({"--role", ""}), HasSubstr("--role: is empty; leave it out"));
+  EXPECT_THAT(refusal({"--record=", "--check"}), HasSubstr("--record: is empty"));
+  EXPECT_THAT(refusal({"--traffic", "batch=010"}),
+              HasSubstr("--traffic: batch: must be a decimal number without 0 before it, is 010"));
+  EXPECT_THAT(refusal({"--device", "simulated:seed=0x10"}),
+              HasSubstr("seed: must be a decimal number, is 0x10"));
+  EXPECT_THAT(refusal({"--device", "simulated:seed=18446744073709551616"}),
+              HasSubstr("seed: is too large"));
+  EXPECT_THAT(refusal({"--device", "simulated:center=nan,0,0"}),
+              HasSubstr("center of --device must be three finite numbers"));
+  EXPECT_THAT(refusal({"--mode", "contact_frame,storage"}),
+              HasSubstr("--mode: storage has no value; write storage=VALUE"));
+  EXPECT_THAT(refusal({"--traffic", "packet_rate"}), HasSubstr("packet_rate has no value"));
+  EXPECT_THAT(refusal({"--traffic", "=3"}), HasSubstr("there is no name before =3"));
 }
 
 TEST(Options, NumbersOfTheDeviceMayBeTold) {
