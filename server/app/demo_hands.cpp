@@ -16,11 +16,19 @@
 #include <utility>
 
 namespace feltwire {
+
+struct DemoHand {
+  const char* name;
+  const char* device;
+  const char* local_model;
+};
+
 namespace {
 
-constexpr std::array<std::pair<const char*, const char*>, 2> kHands = {{
-    {"left-hand", "simulated:path=figure-eight,radius=0.03,depth=0.005,seed=1"},
-    {"right-hand", "simulated:path=taps,depth=0.01,tremor=0.0002,seed=2"},
+// Only one has a local model, so that an admin who delays both links sees the difference.
+constexpr std::array<DemoHand, 2> kHands = {{
+    {"left-hand", "simulated:path=figure-eight,radius=0.03,depth=0.005,seed=1", "whole"},
+    {"right-hand", "simulated:path=taps,depth=0.01,tremor=0.0002,seed=2", "off"},
 }};
 
 /// Turns the new process into the program, whose output goes to `log`. Returns errno if it cannot.
@@ -82,15 +90,14 @@ std::string ending_of(int status) {
 DemoHands::DemoHands(const DemoHandsSetup& setup) : patience_(setup.patience) {
   try {
     for (const std::string& scene : setup.scenes)
-      for (const auto& [name, device] : kHands) start(setup, scene, name, device);
+      for (const DemoHand& hand : kHands) start(setup, scene, hand);
   } catch (...) {
     end();
     throw;
   }
 }
 
-void DemoHands::start(const DemoHandsSetup& setup, const std::string& scene,
-                      const std::string& name, const std::string& device) {
+void DemoHands::start(const DemoHandsSetup& setup, const std::string& scene, const DemoHand& demo) {
   const std::vector<std::string> words = {setup.client.string(),
                                           "--connect",
                                           setup.server,
@@ -101,14 +108,16 @@ void DemoHands::start(const DemoHandsSetup& setup, const std::string& scene,
                                           "--scene",
                                           scene,
                                           "--name",
-                                          name,
+                                          demo.name,
                                           "--device",
-                                          device,
+                                          demo.device,
+                                          "--local-model",
+                                          demo.local_model,
                                           "--link",
                                           "delay=0",
                                           "--changes",
                                           "any"};
-  Hand hand{0, name + " of scene " + scene,
+  Hand hand{0, demo.name + std::string(" of scene ") + scene,
             setup.logs / ("demo-" + std::to_string(hands_.size() + 1) + ".log")};
   hands_.reserve(hands_.size() + 1);
   try {

@@ -20,10 +20,12 @@ struct DemoHandsSetup {
   std::chrono::milliseconds patience{5000};  // of end(), before a hand is killed
 };
 
-/// Owns two hands in each scene. One draws an eight on the surface at the scene's start, and one
-/// taps on it. An admin may change their laws. A hand that ends is not started again. Hands get no
-/// file or socket of this process. They end if the thread that made this object does, however it
-/// ends.
+struct DemoHand;
+
+/// Owns two hands in each scene. One draws an eight on the surface at the scene's start, with a
+/// local model of it; one taps on it, and feels the replies alone. An admin may change their laws.
+/// A hand that ends is not started again. Hands get no file or socket of this process. They end if
+/// the thread that made this object does, however it ends.
 class DemoHands {
  public:
   DemoHands() = default;
@@ -46,8 +48,7 @@ class DemoHands {
     std::string what;  // "left-hand of scene room"
     std::filesystem::path log;
   };
-  void start(const DemoHandsSetup& setup, const std::string& scene, const std::string& name,
-             const std::string& device);
+  void start(const DemoHandsSetup& setup, const std::string& scene, const DemoHand& demo);
   std::vector<Hand> hands_;
   std::chrono::milliseconds patience_{0};
 };
