@@ -54,6 +54,7 @@ const PARTS = [
   ['help', '#help', () => press('?'), () => press('Escape')],
   ['times', '#times table', () => press('h'), () => press('Escape')],
   ['admin', '#admin', () => page.click('#admin-open'), () => page.click('#admin-open')],
+  ['tour', '#tour', () => press('w'), () => press('w')],
   ['a recording', '#recorded', () => showRecorded(false), () => showRecorded(true)],
 ];
 

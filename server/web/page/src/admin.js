@@ -46,10 +46,11 @@ function fill(input, value) {
 }
 
 export class Admin {
-  /** @param {HTMLElement} panel @param {HTMLButtonElement} button that opens it @param {(message: object) => void} send */
-  constructor(panel, button, send) {
+  /** @param {HTMLElement} panel @param {(message: object) => void} send */
+  constructor(panel, send) {
     this.panel = panel;
     this.send = send;
+    this.unlocked = false;  // whether its viewer is an admin
     this.objects = [];  // their names
     this.materials = [];
     this.session = null;  // of the chosen hand
@@ -60,12 +61,11 @@ export class Admin {
     this.boundInputs = new Map();
     this.leadInputs = new Map();
     this.#build();
-    button.onclick = () => {
-      panel.hidden = !panel.hidden;
-      document.body.classList.toggle('administers', !panel.hidden);
-      button.setAttribute('aria-expanded', String(!panel.hidden));
-      if (!panel.hidden) panel.querySelector('input:not(:disabled), [role=tab][aria-selected=true]')?.focus();
-    };
+  }
+
+  /** The panel was opened. */
+  focus() {
+    this.panel.querySelector('input:not(:disabled), [role=tab][aria-selected=true]')?.focus();
   }
 
   /** @param {{role: string, modes?: string[], observes?: boolean}} message the server's hello: a new connection */
@@ -191,6 +191,7 @@ export class Admin {
   }
 
   #unlock(admin) {
+    this.unlocked = admin;
     this.lock.hidden = admin;
     for (const knobs of this.knobs) {
       knobs.disabled = !admin;

@@ -7,12 +7,13 @@ import {make} from './elements.js';
 import {Foxglove} from './foxglove.js';
 import {Hands} from './hands.js';
 import {Labels} from './labels.js';
+import {say} from './language.js';
 import {readLink} from './link.js';
 import {Plots} from './live_plots.js';
 import {KIND, Picture, readGeometry} from './messages.js';
 import {OwnHand} from './own_hand.js';
 import {robotTexts} from './robot.js';
-import {bindKeys, followTheme, makeSplit} from './panels.js';
+import {Asides, bindKeys, followTheme, makeSplit} from './panels.js';
 import {PlotBar} from './plot_bar.js';
 import {RecordBar} from './record_bar.js';
 import {Replay} from './replay/replay.js';
@@ -20,6 +21,7 @@ import {SceneBar} from './scene_bar.js';
 import {Sessions} from './sessions.js';
 import {standsAlone} from './stands_alone.js';
 import {Times} from './times.js';
+import {Tour} from './tour.js';
 import {View} from './view.js';
 import {Why} from './why.js';
 import * as words from './words.js';
@@ -39,7 +41,7 @@ const why = new Why(element('sentence'), element('reasons'));
 const sessions = new Sessions(document.querySelector('#sessions table'), element('columns'), choose);
 const labels = new Labels(element('labels'));
 const bar = new SceneBar(view, () => page);
-const admin = new Admin(element('admin'), element('admin-open'), (message) => connection.send(message));
+const admin = new Admin(element('admin'), (message) => connection.send(message));
 const foxglove = new Foxglove(element('foxglove'));
 const times = new Times(element('times'), () => page.scene, () => ({name: sessions.name(page.chosen), session: sessions.sessions.get(page.chosen)}));
 let link = readLink(location.hash);  // what of it is still to be followed
@@ -78,7 +80,17 @@ const own = new OwnHand({
     view.depthFactor = factor;
     bar.show();
   },
+  moved: () => tour.yield(),
 });
+
+const asides = new Asides();
+const tour = new Tour(element('tour'), {
+  own, hands, sessions: () => sessions.sessions, admin: () => admin.unlocked, send: (message) => connection.send(message), choose,
+  unlock: () => asides.show(element('admin')), close: () => element('tour-open').click(),
+  scale: (perNewton) => bar.fixArrows(perNewton),
+});
+asides.add(element('admin'), element('admin-open'), (open) => open && admin.focus());
+asides.add(element('tour'), element('tour-open'), (open) => tour.show(open));
 
 function takeText(message) {
   switch (message.type) {
@@ -102,6 +114,7 @@ function takeText(message) {
       view.setScene(message);
       page.sceneAt ??= performance.now();
       admin.scene(message);
+      tour.scene(message);
       bar.show();
       followLink();
       break;
@@ -291,6 +304,7 @@ function step(now) {
     written = now;
     writeTexts();
   }
+  tour.run(now);
   own.step(now);
   // With software rendering, frames of an empty view would delay the first picture.
   if ((page.pictures > 0 || (page.sceneAt !== null && now - page.sceneAt > PICTURE_PATIENCE)) && view.render()) {
@@ -348,6 +362,7 @@ bindKeys(element('keys'), [
   ...plotBar.bindings(),
   ...recording.bindings(),
   {keys: ['o'], text: 'open a recording', act: () => element('recording-files').click()},
+  {keys: ['w'], text: say('tour.key'), act: () => element('tour-open').click()},
   {keys: ['h'], text: 'times of the server and of the chosen hand, as histograms', act: () => times.open()},
   {keys: ['l'], text: 'light or dark', act: () => element('theme').click()},
   {keys: ['?'], text: 'this list', act: openHelp},
@@ -359,7 +374,11 @@ followTheme(element('theme'), (colors) => {
   plots.paint(colors);
   replay.paint(colors);
   own.paint(colors);
+  tour.paint(colors);
 });
+element('tour-open').textContent = say('tour.open');
+element('tour-open').title = say('tour.open.hint');
+element('tour').ariaLabel = say('tour.name');
 bar.show();
 if (standsAlone()) replay.start();
 else connection.connect();
@@ -373,5 +392,5 @@ window.feltwire = () => ({
   strongest: view.strongest, viewHeight: view.pixel * view.height, axes: [view.origin, ...view.axisEnds.map(({point}) => point)].map((point) => view.projectPoint(point, {x: 0, y: 0, seen: false})), pose: view.pose,
   guides: view.objects?.guides.length ?? 0, trails: view.hands.trails.shown ? view.hands.trails.lengths() : [],
   solids: view.objects?.sizes() ?? [],
-  toolBalls: view.tools.balls.count, toolPoints: view.tools.dots.count, replay: replay.state(), recorded: recording.seconds, own: own.look(hands.all.get(own.number)),
+  toolBalls: view.tools.balls.count, toolPoints: view.tools.dots.count, replay: replay.state(), recorded: recording.seconds, own: own.look(hands.all.get(own.number)), tour: tour.look(),
 });

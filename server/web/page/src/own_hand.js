@@ -25,8 +25,8 @@ const [right, upward, away, tool, projected] = Array.from({length: 5}, () => new
 export class OwnHand {
   /**
    * @param {{view: import('./view.js').View, stage: HTMLElement, button: HTMLButtonElement, law: HTMLSelectElement, text: HTMLElement, values: HTMLElement,
-   *          send: (message: object) => void, found: (number: number) => void, scale: (factor: number) => void}} page
-   *   `found` is called when the hand's number is known, `scale` sets how depths are drawn
+   *          send: (message: object) => void, found: (number: number) => void, scale: (factor: number) => void, moved: () => void}} page
+   *   `found` is called when the hand's number is known, `scale` sets how depths are drawn, `moved` is called when the user moves the hand
    */
   constructor(page) {
     this.page = page;
@@ -34,6 +34,7 @@ export class OwnHand {
     this.session = '';
     this.number = null;
     this.target = new Vector3();
+    this.start = [0, 0, 0];  // [m] where it was taken
     this.stiffness = 0;
     this.reach = 0;
     this.sentAt = -Infinity;
@@ -65,9 +66,21 @@ export class OwnHand {
 
   /** Takes a hand with the chosen law, or lets it go. */
   toggle() {
-    const mode = this.page.law.value;
-    if (this.state === 'free') this.page.send({hand: 'take', ...(mode && {mode})});
+    if (this.state === 'free') this.begin(this.page.law.value);
     else this.release();
+  }
+
+  /** Takes a hand, if one is free. @param {string} mode its law; empty: the usual one */
+  begin(mode) {
+    if (this.state !== 'free') return;
+    this.page.law.value = mode;
+    this.page.send({hand: 'take', ...(mode && {mode})});
+  }
+
+  /** Moves the target, for a program that moves the hand. @param {number[]} place [m] */
+  lead(place) {
+    this.target.fromArray(place);
+    this.moved = true;
   }
 
   release() {
@@ -78,6 +91,7 @@ export class OwnHand {
   take(message) {
     if (message.state === 'held') {
       this.session = message.session;
+      this.start = message.start;
       this.target.fromArray(message.start);
       this.stiffness = message.stiffness;
       this.reach = message.reach;
@@ -187,6 +201,7 @@ export class OwnHand {
 
   /** Moves the target by so many metres along the screen's axes. */
   #shift(x, y, z) {
+    this.page.moved();
     this.#axes();
     this.target.addScaledVector(right, x).addScaledVector(upward, y).addScaledVector(away, z);
     this.moved = true;

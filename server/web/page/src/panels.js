@@ -62,6 +62,29 @@ export function makeSplit(bar, property, {axis, least, most}) {
   };
 }
 
+/** Panels beside the scene. One is open at most. */
+export class Asides {
+  #all = [];
+
+  /** @param {HTMLElement} panel @param {HTMLButtonElement} button that opens and closes it @param {(open: boolean) => void} shown called after each change */
+  add(panel, button, shown) {
+    this.#all.push({panel, button, shown});
+    button.onclick = () => this.show(panel.hidden ? panel : null);
+  }
+
+  /** @param {HTMLElement | null} wanted null: none */
+  show(wanted) {
+    for (const {panel, button, shown} of this.#all) {
+      const open = panel === wanted;
+      if (open !== panel.hidden) continue;
+      panel.hidden = !open;
+      button.setAttribute('aria-expanded', String(open));
+      shown(open);
+    }
+    document.body.classList.toggle('administers', wanted !== null);
+  }
+}
+
 /**
  * Binds keys and lists them in the help.
  * @param {HTMLElement} list @param {{keys: string[], shown?: string, text: string, act: (key: string, event: KeyboardEvent) => void}[]} bindings

@@ -77,6 +77,13 @@ export class SceneBar {
     this.show();
   }
 
+  /** @param {number | null} perNewton [m] of all arrows from now on; null: they scale by themselves */
+  fixArrows(perNewton) {
+    this.scaleByItself(perNewton === null);
+    if (perNewton !== null) this.view.perNewton = perNewton;
+    this.show();
+  }
+
   scaleDepth(steps) {
     this.view.depthFactor = Math.min(Math.max(words.stepped(this.view.depthFactor, steps), 1), 50);
     this.show();
