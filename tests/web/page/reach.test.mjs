@@ -1,4 +1,4 @@
-// Everyone reaches all of the live page: at every width, in both themes, and with a screen reader. axe-core judges contrast and names.
+// Everyone reaches all of the live page: at every width, in every language, in both themes, and with a screen reader. axe-core judges contrast and names.
 
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
@@ -7,12 +7,13 @@ import {ADMIN} from './mock_server.mjs';
 import {newPage, newServer, open, page, press, state, until} from './page_fixture.mjs';
 
 const WIDTHS = [360, 768, 1360, 1920];  // [px]
+const LOCALES = ['en-US', 'de-DE', 'ko-KR'];
 const TAGS = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'];
 
-/** Opens the page with eight hands in a window of this width. @param {'light' | 'dark'} colorScheme */
-async function show(width, colorScheme) {
+/** Opens the page with eight hands in a window of this width. @param {'light' | 'dark'} colorScheme @param {string} locale of the browser */
+async function show(width, colorScheme, locale = 'en-US') {
   const phone = width < 500;
-  await newPage({viewport: {width, height: phone ? 800 : 860}, colorScheme, isMobile: phone, hasTouch: phone, deviceScaleFactor: 1});
+  await newPage({viewport: {width, height: phone ? 800 : 860}, colorScheme, locale, isMobile: phone, hasTouch: phone, deviceScaleFactor: 1});
   await open();
   await until(() => window.feltwire().pictures > 3 && window.feltwire().frames > 2 && document.querySelectorAll('tbody tr').length === 8);
   await until(() => [...document.querySelectorAll('#reasons li')].some((item) => !item.hidden));
@@ -58,10 +59,11 @@ const PARTS = [
   ['a recording', '#recorded', () => showRecorded(false), () => showRecorded(true)],
 ];
 
-for (const width of WIDTHS) {
-  test(`nothing is wider than a window of ${width} px`, async () => {
+for (const [width, locale] of WIDTHS.flatMap((width) => LOCALES.map((locale) => [width, locale]))) {
+  test(`nothing is wider than a window of ${width} px, ${locale}`, async () => {
     await newServer({hands: 8});
-    await show(width, 'light');
+    await show(width, 'light', locale);
+    assert.equal(await page.evaluate(() => document.documentElement.lang), locale.slice(0, 2));
     assert.deepEqual(await overflowing(), []);
     for (const [part, selector, begin, end] of PARTS) {
       await begin();

@@ -2,42 +2,30 @@
 // judges every value; what it refuses is said here.
 
 import {make, makeTabs} from './elements.js';
+import {say} from './language.js';
 
 const PERIOD = 150;  // [ms] between two messages of a knob that is dragged
 const PER_DECADE = 100;  // steps of the stiffness slider
 
-/** Fields of a material: name in messages, label, unit, step of the arrows. */
+/** Fields of a material: name in messages, unit, step of the arrows. */
 const FIELDS = [
-  ['stiffness', 'Stiffness', 'N/m', 'any'],
-  ['damping', 'Damping', 'N s/m', '0.1'],
-  ['static_friction', 'Static friction', '', '0.05'],
-  ['dynamic_friction', 'Dynamic friction', '', '0.05'],
-  ['viscous_friction', 'Viscous friction', 'N s/m', '0.1'],
+  ['stiffness', 'N/m', 'any'], ['damping', 'N s/m', '0.1'], ['static_friction', '', '0.05'], ['dynamic_friction', '', '0.05'], ['viscous_friction', 'N s/m', '0.1'],
 ];
 
-/** Of an emulated link: name in messages, label, unit, how many of the unit are one of the message. */
-const LINK = [
-  ['link_delay', 'Delay', 'ms', 1e3],
-  ['link_jitter', 'Jitter', 'ms', 1e3],
-  ['link_loss', 'Loss', '%', 100],
-];
+/** Of an emulated link: name in messages, unit, how many of the unit are one of the message. */
+const LINK = [['link_delay', 'ms', 1e3], ['link_jitter', 'ms', 1e3], ['link_loss', '%', 100]];
 
-/** Numbers of a bound: name in messages and of a session, label, unit. The server judges them, and fills what is not given. */
+/** Numbers of a bound: name in messages and of a session, unit. The server judges them, and fills what is not given. */
 const BOUND = [
-  ['velocity_cutoff', 'Velocity cutoff', 'Hz'],  // First: it is the server's, whoever bounds.
-  ['operator_damping', 'Operator’s damping', 'N s/m'],
-  ['c1', 'c1', 'N/m'],
-  ['c2', 'c2', 'N/m'],
-  ['coupling_stiffness', 'Coupling stiffness', 'N/m'],
-  ['coupling_damping', 'Coupling damping', 'N s/m'],
-  ['tool_mass', 'Mass of its tool', 'kg'],
+  ['velocity_cutoff', 'Hz'],  // First: it is the server's, whoever bounds.
+  ['operator_damping', 'N s/m'], ['c1', 'N/m'], ['c2', 'N/m'], ['coupling_stiffness', 'N/m'], ['coupling_damping', 'N s/m'], ['tool_mass', 'kg'],
 ];
 
 /** A row with a number, kept in `inputs` by its field. @param {Map<string, HTMLInputElement>} inputs */
-function numberRow(inputs, [field, label, unit], properties) {
+function numberRow(inputs, [field, unit], properties) {
   const input = make('input', {type: 'number', step: 'any', min: 0, ...properties});
   inputs.set(field, input);
-  return make('label', {}, make('span', {}, label), input, make('i', {}, unit));
+  return make('label', {}, make('span', {}, say(`admin.${field}`)), input, make('i', {}, unit));
 }
 
 /** Puts a value into an input that nobody is using. */
@@ -72,7 +60,7 @@ export class Admin {
   hello({role, modes = [], observes = false}) {
     this.#unlock(role === 'admin' && !observes);
     this.law.get('mode').replaceChildren(...modes.map((mode) => new Option(mode)));
-    this.#say('', observes ? 'This page only observes. Change the scene on the page of the server itself, or with feltwire-client admin.' : '');
+    this.#say('', observes ? say('admin.observes') : '');
     if (observes) this.lock.hidden = true;
   }
 
@@ -96,7 +84,7 @@ export class Admin {
         break;
       case 'admin':
         this.#unlock(true);
-        this.#say('', 'The token is that of an admin.');
+        this.#say('', say('admin.unlocked'));
         break;
       case 'changed':
         this.#say('', message.text);
@@ -114,7 +102,7 @@ export class Admin {
   choose(session) {
     const old = this.session;
     this.session = session ?? null;
-    this.who.textContent = session ? `Hand ${session.number}, ${session.client ?? '–'}` : 'No hand is chosen';
+    this.who.textContent = session ? say('admin.chosen', {number: session.number, client: session.client ?? '–'}) : say('admin.unchosen');
     this.evict.disabled = !session;
     const atClient = session?.side === 'client' && ['safe', 'any'].includes(session.laws_taken);
     const fixed = session?.side !== 'server' && !atClient;
@@ -132,58 +120,58 @@ export class Admin {
 
   #build() {
     const {panel} = this;
-    this.lock = make('form', {}, make('p', {}, 'Locked: everyone sees these values, and an admin changes them.'),
-      make('label', {}, make('span', {}, 'Token of an admin'), this.token = make('input', {type: 'password', autocomplete: 'off', required: true}), make('button', {}, 'Unlock')));
+    this.lock = make('form', {}, make('p', {}, say('admin.locked')),
+      make('label', {}, make('span', {}, say('admin.token')), this.token = make('input', {type: 'password', autocomplete: 'off', required: true}), make('button', {}, say('admin.unlock'))));
     this.lock.onsubmit = (event) => {
       event.preventDefault();
       this.send({admin: this.token.value.trim()});
       this.token.value = '';
     };
 
-    this.object = make('select', {ariaLabel: 'Object', onchange: () => this.#showMaterial()});
-    this.slider = make('input', {type: 'range', min: PER_DECADE, max: 5 * PER_DECADE, ariaLabel: 'Stiffness, 10 to 100 000 N/m'});
+    this.object = make('select', {ariaLabel: say('admin.object'), onchange: () => this.#showMaterial()});
+    this.slider = make('input', {type: 'range', min: PER_DECADE, max: 5 * PER_DECADE, ariaLabel: say('admin.stiffness.slider')});
     this.slider.oninput = () => {
       const value = Number((10 ** (this.slider.value / PER_DECADE)).toPrecision(3));
       this.inputs.get('stiffness').value = value;
       this.#sendSoon({set: {object: this.object.value, stiffness: value}});
     };
-    const rows = FIELDS.map(([field, label, unit, step]) => numberRow(this.inputs, [field, label, unit], {step, onchange: () => this.#set(field)}));
+    const rows = FIELDS.map(([field, unit, step]) => numberRow(this.inputs, [field, unit], {step, onchange: () => this.#set(field)}));
     rows.splice(1, 0, this.slider);
 
-    this.axes = ['x', 'y', 'z'].map((axis) => make('input', {type: 'number', step: 'any', ariaLabel: `Gravity ${axis}`, onchange: () => this.#setGravity()}));
-    this.gravity = make('div', {hidden: true}, make('h3', {}, 'Gravity'), make('p', {className: 'axes'}, ...this.axes, make('i', {}, 'm/s²')));
+    this.axes = ['x', 'y', 'z'].map((axis) => make('input', {type: 'number', step: 'any', ariaLabel: say('admin.gravity.axis', {axis}), onchange: () => this.#setGravity()}));
+    this.gravity = make('div', {hidden: true}, make('h3', {}, say('admin.gravity')), make('p', {className: 'axes'}, ...this.axes, make('i', {}, 'm/s²')));
 
     this.who = make('h3', {});
     const [mode, projection, storage, reference] = [
-      ['mode', 'Mode of the bound', []],
-      ['projection', 'Projection of contact_frame', ['cone', 'joint']],
-      ['storage', 'Storage of contact_frame', ['minimal', 'elastic']],
-      ['reference', 'Reference of passivity_control', ['zero', 'following']],
-    ].map(([field, ariaLabel, choices]) => {
-      const choice = make('select', {ariaLabel, onchange: () => this.#setSession({[field]: choice.value})}, ...choices.map((name) => new Option(name)));
+      ['mode', 'admin.mode', []],
+      ['projection', 'admin.projection', ['cone', 'joint']],
+      ['storage', 'admin.storage', ['minimal', 'elastic']],
+      ['reference', 'admin.reference.name', ['zero', 'following']],
+    ].map(([field, name, choices]) => {
+      const choice = make('select', {ariaLabel: say(name), onchange: () => this.#setSession({[field]: choice.value})}, ...choices.map((name) => new Option(name)));
       this.law.set(field, choice);
       return choice;
     });
-    this.fixed = make('p', {}, 'Its client bounds and takes no other law: its owner may start it anew with --changes.');
-    const numbers = BOUND.map((row) => numberRow(this.boundInputs, row, {placeholder: 'default', onchange: (event) => this.#setNumber(row[0], event)}));
-    this.more = make('details', {hidden: true}, make('summary', {}, 'Numbers'),
-      numbers.shift(), this.numbers = make('div', {}, make('label', {}, make('span', {}, 'Reference'), reference), ...numbers));
-    this.link = make('div', {hidden: true}, make('h3', {}, 'Emulated link, each way'),
+    this.fixed = make('p', {}, say('admin.fixed'));
+    const numbers = BOUND.map((row) => numberRow(this.boundInputs, row, {placeholder: say('admin.default'), onchange: (event) => this.#setNumber(row[0], event)}));
+    this.more = make('details', {hidden: true}, make('summary', {}, say('admin.numbers')),
+      numbers.shift(), this.numbers = make('div', {}, make('label', {}, make('span', {}, say('admin.reference')), reference), ...numbers));
+    this.link = make('div', {hidden: true}, make('h3', {}, say('admin.link')),
       ...LINK.map((row) => numberRow(this.linkInputs, row, {onchange: () => this.#setLink()})));
-    this.lead = make('div', {hidden: true}, make('h3', {}, 'Lead of the robot'),
-      numberRow(this.leadInputs, ['lead_share', 'Share (0: alone)', ''], {max: 100, onchange: (event) => this.#setNumber('lead_share', event)}));
+    this.lead = make('div', {hidden: true}, make('h3', {}, say('admin.lead')),
+      numberRow(this.leadInputs, ['lead_share', ''], {max: 100, onchange: (event) => this.#setNumber('lead_share', event)}));
     this.answer = make('p', {className: 'answer'});
-    this.evict = make('button', {onclick: () => this.send({evict: this.session.session})}, 'Evict');
-    const reload = make('button', {onclick: () => this.send({reload: true})}, 'Reload the scene’s file');
-    const record = make('button', {onclick: () => this.send({record: true}), title: 'the last ten seconds of the scene, to a file on the server’s machine'}, 'Write a flight record');
+    this.evict = make('button', {onclick: () => this.send({evict: this.session.session})}, say('admin.evict'));
+    const reload = make('button', {onclick: () => this.send({reload: true})}, say('admin.reload'));
+    const record = make('button', {onclick: () => this.send({record: true}), title: say('admin.flight.hint')}, say('admin.flight'));
 
     const parts = {
-      Object: [this.object, make('fieldset', {}, ...rows)],
-      Hand: [this.who, make('fieldset', {}, make('p', {className: 'law'}, mode, ' ', projection, ' ', storage), this.fixed, this.more, this.link, this.lead, this.answer, make('p', {}, this.evict))],
-      Scene: [make('fieldset', {}, this.gravity, make('p', {}, reload), make('p', {}, record))],
+      object: [this.object, make('fieldset', {}, ...rows)],
+      hand: [this.who, make('fieldset', {}, make('p', {className: 'law'}, mode, ' ', projection, ' ', storage), this.fixed, this.more, this.link, this.lead, this.answer, make('p', {}, this.evict))],
+      scene: [make('fieldset', {}, this.gravity, make('p', {}, reload), make('p', {}, record))],
     };
     this.said = make('output', {id: 'admin-said'});
-    const pages = makeTabs('admin', parts);
+    const pages = makeTabs('admin', parts, (name) => say(`admin.${name}`));
     this.knobs = panel.getElementsByTagName('fieldset');
     panel.append(this.lock, pages.tabs, ...pages.pages, this.said);
     this.#unlock(false);
@@ -195,7 +183,7 @@ export class Admin {
     this.lock.hidden = admin;
     for (const knobs of this.knobs) {
       knobs.disabled = !admin;
-      knobs.title = admin ? '' : 'Locked: an admin’s token unlocks it';
+      knobs.title = admin ? '' : say('admin.knob');
     }
   }
 
@@ -241,7 +229,7 @@ export class Admin {
 
   /** What is not given is none. */
   #setLink() {
-    this.#setSession(Object.fromEntries(LINK.map(([field, , , scale]) => {
+    this.#setSession(Object.fromEntries(LINK.map(([field, , scale]) => {
       const value = this.linkInputs.get(field).valueAsNumber;
       return [field, Number.isNaN(value) ? 0 : value / scale];
     })));
@@ -251,8 +239,7 @@ export class Admin {
   #showAnswer(session) {
     this.answer.hidden = !session?.asked;
     if (!session?.asked) return;
-    const said = {waiting: 'is being asked for', taken: 'has taken', refused: 'has refused'}[session.answer];
-    this.answer.textContent = `Its client ${said}: ${session.asked}`;
+    this.answer.textContent = say(`admin.answer.${session.answer}`, session);
     this.answer.dataset.level = session.answer === 'refused' ? 'error' : '';
     if (session.answer !== 'refused') return;
     this.#showSession(this.law);

@@ -1,5 +1,6 @@
 // Columns of the table of hands: what each says, how wide it is, and what it is sorted by.
 
+import {say} from './language.js';
 import * as words from './words.js';
 
 const NAME_MOST = 22;  // letters of a name that are shown
@@ -10,24 +11,24 @@ const bounds = (hand, reasons) => [...new Set(hand?.activeReasons().map((bit) =>
   .map((reason) => reason.name).sort())].join(', ');
 
 /**
- * `wide`: [letters] at least. `rank`: the lower, the longer it stays in a narrow table. `write`: how a session's value is shown; `value`: what
+ * `id`: what the browser keeps a choice by. `wide`: [letters] at least. `rank`: the lower, the longer it stays in a narrow table. `write`: how a session's value is shown; `value`: what
  * it is sorted by, if that is not what is shown; `text`: stands at the left, and is shown in full on hover.
  */
 export const COLUMNS = [
-  {name: 'Hand', hint: 'number of the session', wide: 9, rank: 0, write: (s) => `${s.number}`, value: (s) => s.number},
-  {name: 'Client', hint: 'name that the token gives', wide: 13, rank: 1, text: true, write: (s) => words.middle(s.client ?? '–', NAME_MOST), full: (s) => s.client ?? ''},
-  {name: 'Device', hint: '', wide: 11, rank: 6, text: true, write: (s) => words.middle(s.device ?? '–', NAME_MOST), full: (s) => s.device ?? ''},
-  {name: 'Force', hint: 'rendered by the device now', wide: 10, rank: 2, write: (s, hand) => (hand ? words.force(hand.rendered) : '–'), value: (s, hand) => hand?.rendered},
-  {name: 'Bounded by', hint: 'why less force is rendered than the scene asks for; the strip says it in words', wide: 19, rank: 3, text: true, write: (s, hand, reasons) => bounds(hand, reasons) || '–'},
-  {name: 'Round trip', hint: 'of a sample and its reply', wide: 11, rank: 4, write: (s) => words.number(s.round_trip_ms, 1, 'ms'), value: (s) => s.round_trip_ms},
-  {name: 'Late', hint: 'servo ticks that came a whole period late or more', wide: 8, rank: 8, write: (s) => count(s.late_ticks), value: (s) => s.late_ticks},
-  {name: 'Loss', hint: 'of datagrams', wide: 8, rank: 5, write: (s) => words.percent(s.loss ?? null), value: (s) => s.loss},
-  {name: 'Energy given', hint: 'energy given to the hand; negative: the hand gave energy to the device', wide: 13, rank: 9, write: (s) => words.energy(s.delivered_j), value: (s) => s.delivered_j},
-  {name: 'Servo', hint: 'rate of the device', wide: 9, rank: 10, write: (s) => words.number(s.rate_hz, 0, 'Hz'), value: (s) => s.rate_hz},
-  {name: 'Packets', hint: 'rate of datagrams', wide: 9, rank: 11, write: (s) => words.number(s.packet_hz, 0, 'Hz'), value: (s) => s.packet_hz},
-  {name: 'Mode', hint: 'how forces are bounded', wide: 27, rank: 7, text: true, write: (s) => [s.mode, s.side && `at the ${s.side}`].filter(Boolean).join(', ') || '–'},
-  {name: 'Samples', hint: 'since the session began', wide: 11, rank: 13, write: (s) => count(s.samples), value: (s) => s.samples},
-  {name: 'Time', hint: 'since the session began', wide: 8, rank: 12, write: (s) => words.duration(s.seconds), value: (s) => s.seconds},
+  {id: 'hand', name: say('column.hand'), hint: say('column.hand.hint'), wide: 9, rank: 0, write: (s) => `${s.number}`, value: (s) => s.number},
+  {id: 'client', name: say('column.client'), hint: say('column.client.hint'), wide: 13, rank: 1, text: true, write: (s) => words.middle(s.client ?? '–', NAME_MOST), full: (s) => s.client ?? ''},
+  {id: 'device', name: say('column.device'), hint: '', wide: 11, rank: 6, text: true, write: (s) => words.middle(s.device ?? '–', NAME_MOST), full: (s) => s.device ?? ''},
+  {id: 'force', name: say('column.force'), hint: say('column.force.hint'), wide: 10, rank: 2, write: (s, hand) => (hand ? words.force(hand.rendered) : '–'), value: (s, hand) => hand?.rendered},
+  {id: 'bounds', name: say('column.bounds'), hint: say('column.bounds.hint'), wide: 19, rank: 3, text: true, write: (s, hand, reasons) => bounds(hand, reasons) || '–'},
+  {id: 'trip', name: say('column.trip'), hint: say('column.trip.hint'), wide: 11, rank: 4, write: (s) => words.number(s.round_trip_ms, 1, 'ms'), value: (s) => s.round_trip_ms},
+  {id: 'late', name: say('column.late'), hint: say('column.late.hint'), wide: 8, rank: 8, write: (s) => count(s.late_ticks), value: (s) => s.late_ticks},
+  {id: 'loss', name: say('column.loss'), hint: say('column.loss.hint'), wide: 8, rank: 5, write: (s) => words.percent(s.loss ?? null), value: (s) => s.loss},
+  {id: 'energy', name: say('column.energy'), hint: say('column.energy.hint'), wide: 13, rank: 9, write: (s) => words.energy(s.delivered_j), value: (s) => s.delivered_j},
+  {id: 'servo', name: say('column.servo'), hint: say('column.servo.hint'), wide: 9, rank: 10, write: (s) => words.number(s.rate_hz, 0, 'Hz'), value: (s) => s.rate_hz},
+  {id: 'packets', name: say('column.packets'), hint: say('column.packets.hint'), wide: 9, rank: 11, write: (s) => words.number(s.packet_hz, 0, 'Hz'), value: (s) => s.packet_hz},
+  {id: 'mode', name: say('column.mode'), hint: say('column.mode.hint'), wide: 27, rank: 7, text: true, write: (s) => (s.mode && s.side ? say('column.mode.side', s) : s.mode ?? '–')},
+  {id: 'samples', name: say('column.samples'), hint: say('column.samples.hint'), wide: 11, rank: 13, write: (s) => count(s.samples), value: (s) => s.samples},
+  {id: 'time', name: say('column.time'), hint: say('column.time.hint'), wide: 8, rank: 12, write: (s) => words.duration(s.seconds), value: (s) => s.seconds},
 ];
 
 /**
@@ -36,9 +37,9 @@ export const COLUMNS = [
  * @returns {boolean[]} for each column, whether it is shown
  */
 export function columnsThatFit(room, chosen) {
-  const shown = COLUMNS.map(({name}) => chosen.get(name) === true);
+  const shown = COLUMNS.map(({id}) => chosen.get(id) === true);
   let left = room - COLUMNS.reduce((sum, {wide}, i) => sum + (shown[i] ? wide : 0), 0);
-  const others = COLUMNS.map((column, i) => ({...column, i})).filter(({name}) => !chosen.has(name)).sort((a, b) => a.rank - b.rank);
+  const others = COLUMNS.map((column, i) => ({...column, i})).filter(({id}) => !chosen.has(id)).sort((a, b) => a.rank - b.rank);
   for (const {wide, i} of others) {
     if (wide > left) break;
     shown[i] = true;

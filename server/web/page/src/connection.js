@@ -2,18 +2,14 @@
 
 import {takeEarly} from './early.js';
 import {forSession} from './kept.js';
+import {say} from './language.js';
 import {openSocket, takeToken, TOKEN_KEY} from './socket.js';
 
 const FIRST_PAUSE = 0.5;  // [s]
 const LONGEST_PAUSE = 10;  // [s]
 const SILENCE = 3;  // [s] without any message before the page says so
 
-const CLOSED = {
-  1001: 'The server stopped.',
-  4400: 'The server closed the connection.',
-  4401: 'The server refused the token.',
-  4429: 'The server has as many viewers as it allows.',
-};
+const CLOSED = [1001, 4400, 4401, 4429];  // codes that have a text
 
 /**
  * Keeps one connection up.
@@ -47,10 +43,10 @@ export class Connection {
     this.socket?.close();
     this.socket = null;
     if (!token) {
-      this.#become('token', 'This page needs a token: open the link that the server prints on its terminal, or paste local.token of its state folder.');
+      this.#become('token', say('link.token'));
       return;
     }
-    this.#become('connecting', 'Connecting…');
+    this.#become('connecting', say('link.connecting'));
     const {socket, events} = early?.token === token ? early : {socket: openSocket(token), events: []};
     if (early && early.socket !== socket) early.socket.close();
     this.socket = socket;
@@ -93,14 +89,15 @@ export class Connection {
     }
     if (message?.type === 'hello') {
       this.attempts = 0;
-      this.#become('live', 'Live');
+      this.#become('live', say('link.live'));
     }
     if (message) this.on.text(message);
   }
 
   #closed(event) {
     this.socket = null;
-    const words = CLOSED[event.code] ?? (this.state === 'live' || this.state === 'silent' ? 'The connection was lost.' : 'The server does not answer.');
+    const known = this.state === 'live' || this.state === 'silent' ? 'link.lost' : 'link.unanswered';
+    const words = say(CLOSED.includes(event.code) ? `link.closed.${event.code}` : known);
     this.reason = event.reason ? `${words} (${event.reason})` : words;
     if (event.code === 4401) {
       forSession.remove(TOKEN_KEY);
@@ -115,7 +112,7 @@ export class Connection {
 
   #waiting() {
     const left = Math.max(0, Math.ceil((this.nextAttempt - performance.now()) / 1000));
-    this.#become('waiting', `${this.reason} Next attempt in ${left} s.`);
+    this.#become('waiting', say('link.attempt', {reason: this.reason, seconds: left}));
   }
 
   #tick() {
@@ -126,9 +123,9 @@ export class Connection {
     }
     const quiet = (now - this.heard) / 1000;
     if ((this.state === 'live' || this.state === 'silent') && quiet > SILENCE) {
-      this.#become('silent', `No message for ${Math.floor(quiet)} s`);
+      this.#become('silent', say('link.silent', {seconds: Math.floor(quiet)}));
     } else if (this.state === 'silent') {
-      this.#become('live', 'Live');
+      this.#become('live', say('link.live'));
     }
   }
 

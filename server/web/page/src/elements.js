@@ -9,14 +9,15 @@ export function make(tag, properties, ...children) {
 
 /**
  * Tabs, of which one page is shown. The arrow keys go from tab to tab.
- * @param {string} id the elements' ids begin with it @param {Record<string, (Node | string)[]>} contents of each page, by the name of its tab
+ * @param {string} id the elements' ids begin with it @param {Record<string, (Node | string)[]>} contents of each page, by the end of its id
+ * @param {(name: string) => string} title of a tab
  * @returns {{tabs: HTMLElement, pages: HTMLElement[]}}
  */
-export function makeTabs(id, contents) {
+export function makeTabs(id, contents, title) {
   const names = Object.keys(contents);
-  const ids = names.map((name) => `${id}-${name.toLowerCase()}`);
-  const pages = names.map((name, i) => make('div', {id: ids[i], role: 'tabpanel', ariaLabel: name}, ...contents[name]));
-  const buttons = names.map((name, i) => make('button', {id: `${ids[i]}-tab`, role: 'tab', onclick: () => show(i)}, name));
+  const ids = names.map((name) => `${id}-${name}`);
+  const pages = names.map((name, i) => make('div', {id: ids[i], role: 'tabpanel', ariaLabel: title(name)}, ...contents[name]));
+  const buttons = names.map((name, i) => make('button', {id: `${ids[i]}-tab`, role: 'tab', onclick: () => show(i)}, title(name)));
   const show = (shown) => buttons.forEach((button, i) => {
     pages[i].hidden = i !== shown;
     button.ariaSelected = String(i === shown);

@@ -1,5 +1,6 @@
 // Names of the hands beside them, as text above the 3D view. They are placed apart; those that find no place are counted.
 
+import {say} from './language.js';
 import {AT, length3} from './messages.js';
 import * as words from './words.js';
 
@@ -63,7 +64,7 @@ export class Labels {
       put(label, place !== null, place?.left ?? 0, place?.top ?? 0);
     }
     this.count.hidden = hidden === 0;
-    const text = hidden === 1 ? 'and 1 more name' : `and ${hidden} more names`;
+    const text = hidden === 1 ? say('scene.more.one') : say('scene.more', {count: hidden});
     if (hidden > 0 && this.count.textContent !== text) this.count.textContent = text;
   }
 

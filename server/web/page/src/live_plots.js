@@ -2,6 +2,7 @@
 
 import uPlot from 'uplot';
 import {COLUMN} from './hands.js';
+import {say} from './language.js';
 import {csvOf, imageOf} from './plot_export.js';
 import {energyTick, fillLegend, gaps, LEFT, makePane, range, RIGHT, tick} from './plots.js';
 import {moveByPointer} from './plot_pointer.js';
@@ -19,29 +20,29 @@ const MOVE = 0.2;  // share of the window that a key moves it
  */
 const PLOTS = [
   {
-    title: 'Force', tick: tick('N'), least: 1, compared: 3, lines: [
-      {name: 'elastic', hint: 'commanded by the scene, against the surface\'s deformation', column: COLUMN.elastic, color: 'elastic', write: words.force},
-      {name: 'friction', hint: 'commanded by the scene, against sliding', column: COLUMN.friction, color: 'friction', write: words.force},
-      {name: 'commanded', hint: 'size of the sum of both, which the scene asks for', column: COLUMN.commanded, color: 'ink', dash: [5, 4], write: words.force},
-      {name: 'rendered', hint: 'what the device holds after all limits', column: COLUMN.rendered, color: 'rendered', width: 2.5, write: words.force},
+    title: say('plot.force'), tick: tick('N'), least: 1, compared: 3, lines: [
+      {name: say('line.elastic'), hint: say('line.elastic.hint'), column: COLUMN.elastic, color: 'elastic', write: words.force},
+      {name: say('line.friction'), hint: say('line.friction.hint'), column: COLUMN.friction, color: 'friction', write: words.force},
+      {name: say('line.commanded'), hint: say('line.commanded.hint'), column: COLUMN.commanded, color: 'ink', dash: [5, 4], write: words.force},
+      {name: say('line.rendered'), hint: say('line.rendered.hint'), column: COLUMN.rendered, color: 'rendered', width: 2.5, write: words.force},
     ],
   },
   {
-    title: 'Depth in the surface', tick: tick('mm'), least: 1, compared: 0, lines: [
-      {name: 'depth', hint: 'of the tool in the surface', column: COLUMN.depth, color: 'ink', write: (value) => words.number(value, 2, 'mm')},
+    title: say('plot.depth'), tick: tick('mm'), least: 1, compared: 0, lines: [
+      {name: say('line.depth'), hint: say('line.depth.hint'), column: COLUMN.depth, color: 'ink', write: (value) => words.number(value, 2, 'mm')},
     ],
   },
   {
-    title: 'Energy', tick: energyTick, least: 0.001, compared: 0, lines: [
-      {name: 'given to the hand', hint: 'since the session began; negative: the hand gave energy to the device', column: COLUMN.given, color: 'elastic', write: words.energy},
-      {name: 'allowed', hint: 'what was given, and the room that the energy account has left', column: COLUMN.ceiling, color: 'limit', dash: [5, 4], write: words.energy},
-      {name: 'burned', hint: 'by the device, for certain', column: COLUMN.burned, color: 'friction', write: words.energy},
+    title: say('plot.energy'), tick: energyTick, least: 0.001, compared: 0, lines: [
+      {name: say('line.given'), hint: say('line.given.hint'), column: COLUMN.given, color: 'elastic', write: words.energy},
+      {name: say('line.allowed'), hint: say('line.allowed.hint'), column: COLUMN.ceiling, color: 'limit', dash: [5, 4], write: words.energy},
+      {name: say('line.burned'), hint: say('line.burned.hint'), column: COLUMN.burned, color: 'friction', write: words.energy},
     ],
   },
   {
-    title: 'Network', tick: tick('ms'), least: 2, compared: 0, second: {tick: tick('%'), least: 5}, lines: [
-      {name: 'round trip', hint: 'of a sample and its reply', column: COLUMN.roundTrip, color: 'elastic', write: (value) => words.number(value, 2, 'ms')},
-      {name: 'loss', hint: 'of datagrams', column: COLUMN.loss, color: 'friction', write: (value) => words.number(value, 1, '%'), scale: 'second'},
+    title: say('plot.network'), tick: tick('ms'), least: 2, compared: 0, second: {tick: tick('%'), least: 5}, lines: [
+      {name: say('line.trip'), hint: say('column.trip.hint'), column: COLUMN.roundTrip, color: 'elastic', write: (value) => words.number(value, 2, 'ms')},
+      {name: say('line.loss'), hint: say('column.loss.hint'), column: COLUMN.loss, color: 'friction', write: (value) => words.number(value, 1, '%'), scale: 'second'},
     ],
   },
 ];
@@ -138,7 +139,7 @@ export class Plots {
         if (value.textContent !== text) value.textContent = text;
       });
     }
-    const time = under ? `at ${this.#timeText(under.data[0][at], 2)}` : '';
+    const time = under ? say('plot.at', {time: this.#timeText(under.data[0][at], 2)}) : '';
     if (this.time.textContent !== time) this.time.textContent = time;
   }
 
@@ -179,9 +180,9 @@ export class Plots {
       const {about} = pane;
       const line = about.lines[about.compared];
       pane.shown = this.comparing ? this.shown.map(({number, name}, hand) => ({
-        ...line, name: words.middle(name, 16), hint: `hand ${number}`, hand, color: this.tints.get(number), dash: undefined, width: hand === 0 ? 2.5 : 1.5,
+        ...line, name: words.middle(name, 16), hint: say('hand.number', {number}), hand, color: this.tints.get(number), dash: undefined, width: hand === 0 ? 2.5 : 1.5,
       })) : about.lines;
-      pane.root.querySelector('h3').textContent = this.comparing && about.lines.length > 1 ? `${about.title}, ${line.name}` : about.title;
+      pane.root.querySelector('h3').textContent = this.comparing && about.lines.length > 1 ? say('line.compared', {title: about.title, line: line.name}) : about.title;
       pane.lines = fillLegend(pane.legend, pane.shown);
       pane.lines.forEach(({mark}, i) => (mark.style.background = this.colors[pane.shown[i].color]));
       pane.plot?.destroy();
@@ -238,7 +239,7 @@ export class Plots {
   /** @param {number} time [s] @returns {string} how long ago that was */
   #timeText(time, digits) {
     const ago = +(this.end - time).toFixed(digits);
-    return ago === 0 ? 'now' : `${ago > 0 ? '−' : '+'}${Math.abs(ago)} s`;
+    return ago === 0 ? say('plot.now') : `${ago > 0 ? '−' : '+'}${Math.abs(ago)} s`;
   }
 
   #resize() {

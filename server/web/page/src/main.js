@@ -7,7 +7,7 @@ import {make} from './elements.js';
 import {Foxglove} from './foxglove.js';
 import {Hands} from './hands.js';
 import {Labels} from './labels.js';
-import {say} from './language.js';
+import {say, showLanguage} from './language.js';
 import {readLink} from './link.js';
 import {Plots} from './live_plots.js';
 import {KIND, Picture, readGeometry} from './messages.js';
@@ -33,6 +33,7 @@ const ON_HAND = 10;  // [px] a click so near to a hand is on it
 const PICTURE_PATIENCE = 1000;  // [ms] from a scene to its first picture, after which the scene alone is drawn
 
 const element = (id) => document.getElementById(id);
+showLanguage(element('language'));
 const view = makeView();
 const hands = new Hands();
 const plots = new Plots(element('plots'), element('plot-time'), () => hold(true));
@@ -46,7 +47,7 @@ const foxglove = new Foxglove(element('foxglove'));
 const times = new Times(element('times'), () => page.scene, () => ({name: sessions.name(page.chosen), session: sessions.sessions.get(page.chosen)}));
 let link = readLink(location.hash);  // what of it is still to be followed
 const page = {scene: link.scene, pictures: 0, firstPicture: null, sceneAt: null, unread: 0, held: false, chosen: null, connection: '', version: ''};
-const replay = new Replay(() => connection.end('Recordings are read on this machine; nothing is sent.'));
+const replay = new Replay(() => connection.end(say('link.replayed')));
 const recording = new RecordBar(() => page, (message) => connection.send(message), (file) => replay.open([file]));
 let latest = new Picture();  // the newest that came
 let spare = new Picture();  // the one that is read next
@@ -65,7 +66,7 @@ const connection = new Connection({
     const dialog = element('token');
     if (state !== 'live' && state !== 'silent') {
       own.reset();
-      recording.end(state === 'ended' ? 'a recording is shown' : 'the connection was lost');
+      recording.end(say(state === 'ended' ? 'record.why.shown' : 'record.why.lost'));
     }
     if (state === 'token' && !dialog.open) dialog.showModal();
     if (state !== 'token' && dialog.open) dialog.close();
@@ -110,7 +111,7 @@ function takeText(message) {
       if (message.name !== page.scene) forget();
       page.scene = message.name;
       element('scenes').value = message.name;
-      document.title = `${message.name} – feltwire`;
+      document.title = say('app.title', {scene: message.name});
       view.setScene(message);
       page.sceneAt ??= performance.now();
       admin.scene(message);
@@ -170,7 +171,7 @@ function makeView() {
   } catch (error) {
     if (!makeContext(element('canvas'))) {
       element('state').dataset.state = 'failed';
-      element('state').querySelector('span').textContent = 'This browser gives no WebGL 2, without which nothing can be drawn.';
+      element('state').querySelector('span').textContent = say('app.webgl');
     }
     throw error;
   }
@@ -243,8 +244,8 @@ function writeTexts() {
     page.chosen = view.chosen = hands.numbers()[0] ?? null;
   }
   const hand = hands.all.get(page.chosen);
-  const name = page.chosen === null ? 'No hand' : sessions.name(page.chosen);
-  const title = name === `hand ${page.chosen}` || page.chosen === null ? name : `${name}, hand ${page.chosen}`;
+  const name = page.chosen === null ? say('hand.none') : sessions.name(page.chosen);
+  const title = page.chosen === null || !sessions.sessions.get(page.chosen)?.client ? name : say('hand.named', {name, number: page.chosen});
   for (const id of ['chosen', 'why-name']) {
     if (element(id).title === title) continue;
     element(id).textContent = words.middle(title, 40);
@@ -257,7 +258,7 @@ function writeTexts() {
   own.write(hands.all.get(own.number));
   writeRobots();
   element('empty').hidden = hands.all.size > 0 || page.pictures === 0;
-  element('empty').textContent = 'No hand is in this scene yet.';
+  element('empty').textContent = say('scene.empty');
 }
 
 /** Holds the picture and the plots, or lets both go on. */
@@ -266,7 +267,7 @@ function hold(held) {
   page.held = held;
   if (!held) plots.follow();
   element('hold').setAttribute('aria-pressed', String(page.held));
-  element('hold').textContent = page.held ? 'Go on' : 'Hold';
+  element('hold').textContent = say(page.held ? 'head.hold.on' : 'head.hold');
 }
 
 /** From its top, wherever it was left. */
@@ -351,21 +352,21 @@ element('token').querySelector('form').onsubmit = (event) => {
 };
 
 bindKeys(element('keys'), [
-  {keys: ['n', 'p'], shown: 'n, p', text: 'next, previous hand', act: (key) => chooseNext(key === 'n' ? 1 : -1)},
-  {keys: [...'1234567890'], shown: '1 … 9, 0', text: 'first … tenth hand', act: (key) => choose(hands.numbers()[(Number(key) + 9) % 10] ?? page.chosen)},
-  {keys: ['ArrowLeft', 'ArrowRight'], shown: '← →', text: 'turn the camera about the vertical', act: (key) => view.turn(key === 'ArrowLeft' ? -0.1 : 0.1, 0)},
-  {keys: ['ArrowUp', 'ArrowDown'], shown: '↑ ↓', text: 'raise, lower the camera', act: (key) => view.turn(0, key === 'ArrowUp' ? -0.1 : 0.1)},
-  {keys: ['+', '=', '-'], shown: '+ −', text: 'zoom in, out', act: (key) => view.zoom(key === '-' ? 1 / 1.2 : 1.2)},
+  {keys: ['n', 'p'], shown: 'n, p', text: say('keys.hands'), act: (key) => chooseNext(key === 'n' ? 1 : -1)},
+  {keys: [...'1234567890'], shown: '1 … 9, 0', text: say('keys.numbers'), act: (key) => choose(hands.numbers()[(Number(key) + 9) % 10] ?? page.chosen)},
+  {keys: ['ArrowLeft', 'ArrowRight'], shown: '← →', text: say('keys.turn'), act: (key) => view.turn(key === 'ArrowLeft' ? -0.1 : 0.1, 0)},
+  {keys: ['ArrowUp', 'ArrowDown'], shown: '↑ ↓', text: say('keys.raise'), act: (key) => view.turn(0, key === 'ArrowUp' ? -0.1 : 0.1)},
+  {keys: ['+', '=', '-'], shown: '+ −', text: say('keys.zoom'), act: (key) => view.zoom(key === '-' ? 1 / 1.2 : 1.2)},
   ...bar.bindings(),
-  {keys: ['g'], text: 'grasp: take a hand, let it go', act: () => own.toggle()},
-  {keys: [' '], shown: 'space', text: 'hold the picture and the plots, go on', act: () => hold(!page.held)},
+  {keys: ['g'], text: say('keys.take'), act: () => own.toggle()},
+  {keys: [' '], shown: say('keys.space'), text: say('keys.hold'), act: () => hold(!page.held)},
   ...plotBar.bindings(),
   ...recording.bindings(),
-  {keys: ['o'], text: 'open a recording', act: () => element('recording-files').click()},
+  {keys: ['o'], text: say('keys.open'), act: () => element('recording-files').click()},
   {keys: ['w'], text: say('tour.key'), act: () => element('tour-open').click()},
-  {keys: ['h'], text: 'times of the server and of the chosen hand, as histograms', act: () => times.open()},
-  {keys: ['l'], text: 'light or dark', act: () => element('theme').click()},
-  {keys: ['?'], text: 'this list', act: openHelp},
+  {keys: ['h'], text: say('keys.times'), act: () => times.open()},
+  {keys: ['l'], text: say('keys.theme'), act: () => element('theme').click()},
+  {keys: ['?'], text: say('keys.help'), act: openHelp},
 ], () => !replay.active);
 makeSplit(element('split-x'), '--side-width', {axis: 'x', least: 220, most: () => innerWidth - 320});
 makeSplit(element('split-y'), '--table-height', {axis: 'y', least: 60, most: () => innerHeight - 320});
@@ -376,9 +377,6 @@ followTheme(element('theme'), (colors) => {
   own.paint(colors);
   tour.paint(colors);
 });
-element('tour-open').textContent = say('tour.open');
-element('tour-open').title = say('tour.open.hint');
-element('tour').ariaLabel = say('tour.name');
 bar.show();
 if (standsAlone()) replay.start();
 else connection.connect();

@@ -3,6 +3,7 @@
 
 import {Vector3} from 'three';
 import {toolPlace} from './hand_view.js';
+import {say} from './language.js';
 import {AT, length3} from './messages.js';
 import {Spring} from './spring.js';
 import * as words from './words.js';
@@ -60,7 +61,7 @@ export class OwnHand {
   hello({modes = []}) {
     const {law} = this.page;
     const chosen = law.value;
-    law.replaceChildren(new Option('usual', ''), ...modes.map((mode) => new Option(mode)));
+    law.replaceChildren(new Option(say('head.law.usual'), ''), ...modes.map((mode) => new Option(mode)));
     if (modes.includes(chosen)) law.value = chosen;
   }
 
@@ -100,7 +101,7 @@ export class OwnHand {
       this.page.scale(1);  // Else the spring would end beside the hand that is drawn too deep.
     }
     const said = {
-      joining: 'Joining…', held: 'You hold a hand.', released: `The hand was let go: ${message.reason}.`, refused: `No hand: ${message.reason}.`,
+      joining: say('head.joining'), held: say('own.held'), released: say('own.released', message), refused: say('own.refused', message),
     };
     this.#become({released: 'free', refused: this.state}[message.state] ?? message.state, said[message.state] ?? '');
   }
@@ -154,8 +155,8 @@ export class OwnHand {
     if (this.state === 'held' && hand && hand.number === this.number) {
       const stretch = this.stretch(hand);
       const pull = this.stiffness * Math.min(stretch, this.reach);
-      text = `It feels ${words.force(hand.rendered)}. The spring pulls with ${words.force(pull)} over ${words.depth(stretch)}. ` +
-        (this.touch.matches ? 'Drag it; a second finger moves it away and nearer.' : 'Drag it, wheel for depth, or use the arrow keys and Page Up and Down; Escape lets go.');
+      const how = say(this.touch.matches ? 'own.fingers' : 'own.mouse');
+      text = say('own.feels', {force: words.force(hand.rendered), pull: words.force(pull), stretch: words.depth(stretch), how});
     }
     if (values.textContent !== text) values.textContent = text;
   }
@@ -186,7 +187,7 @@ export class OwnHand {
     this.state = state;
     button.hidden = law.parentElement.hidden = state === 'none';
     law.disabled = state !== 'free';
-    button.textContent = {held: 'Let go', joining: 'Joining…'}[state] ?? 'Take a hand';
+    button.textContent = say({held: 'head.release', joining: 'head.joining'}[state] ?? 'head.take');
     button.setAttribute('aria-pressed', String(state === 'held'));
     this.page.text.textContent = text;
     this.page.values.textContent = '';

@@ -1,6 +1,7 @@
 // The page around the scene: theme, sizes of the panels, and the keys.
 
 import {forGood} from './kept.js';
+import {say} from './language.js';
 
 const NAMES = ['view', 'surface', 'line', 'grid', 'ink', 'muted', 'chosen', 'guide', 'elastic', 'friction', 'rendered', 'limit', 'panel', 'hand1', 'hand2', 'hand3', 'hand4', 'hand5', 'hand6', 'hand7', 'hand8'];
 const root = document.documentElement;
@@ -17,7 +18,7 @@ export function followTheme(button, paint) {
   const apply = () => {
     const dark = (forGood.get('feltwire-theme') ?? (system.matches ? 'dark' : 'light')) === 'dark';
     root.dataset.theme = dark ? 'dark' : 'light';
-    button.textContent = dark ? 'Light' : 'Dark';
+    button.textContent = say(dark ? 'head.light' : 'head.dark');
     paint(colors());
   };
   button.onclick = () => {
@@ -77,6 +78,7 @@ export class Asides {
     for (const {panel, button, shown} of this.#all) {
       const open = panel === wanted;
       if (open !== panel.hidden) continue;
+      if (!open && panel.contains(document.activeElement)) button.focus();
       panel.hidden = !open;
       button.setAttribute('aria-expanded', String(open));
       shown(open);

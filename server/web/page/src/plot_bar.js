@@ -1,5 +1,6 @@
 // The buttons above the plots: time, several hands over each other, and files of what is plotted.
 
+import {say} from './language.js';
 import {fileName, save, saveCanvas} from './save.js';
 
 const element = (id) => document.getElementById(id);
@@ -26,11 +27,11 @@ export class PlotBar {
   bindings() {
     const {plots} = this;
     return [
-      {keys: ['[', ']'], shown: '[ ]', text: 'more, less of the time in the plots; both hold the picture', act: (key) => plots.zoom(key === ']' ? 1 : -1)},
-      {keys: ['<', '>'], shown: '< >', text: 'earlier, later in the plots', act: (key) => plots.move(key === '>' ? 1 : -1)},
-      {keys: ['m'], text: 'several hands over each other in the plots', act: () => this.compare(!plots.comparing)},
-      {keys: ['v'], text: 'save the values of the plots (CSV)', act: () => this.saveValues()},
-      {keys: ['b'], text: 'save an image of the plots (PNG)', act: () => this.saveImage()},
+      {keys: ['[', ']'], shown: '[ ]', text: say('keys.span'), act: (key) => plots.zoom(key === ']' ? 1 : -1)},
+      {keys: ['<', '>'], shown: '< >', text: say('keys.shift'), act: (key) => plots.move(key === '>' ? 1 : -1)},
+      {keys: ['m'], text: say('keys.compare'), act: () => this.compare(!plots.comparing)},
+      {keys: ['v'], text: say('keys.csv'), act: () => this.saveValues()},
+      {keys: ['b'], text: say('keys.png'), act: () => this.saveImage()},
     ];
   }
 

@@ -1,5 +1,6 @@
 // The button that records, and the line that offers what was recorded.
 
+import {say} from './language.js';
 import {fileName, save} from './save.js';
 import {SceneRecorder} from './scene_recorder.js';
 
@@ -34,7 +35,7 @@ export class RecordBar {
 
   /** Keys of the page that act here. */
   bindings() {
-    return [{keys: ['r'], text: 'record the scene in this browser, stop', act: () => this.toggle()}];
+    return [{keys: ['r'], text: say('keys.record'), act: () => this.toggle()}];
   }
 
   toggle() {
@@ -46,7 +47,7 @@ export class RecordBar {
 
   /** Another scene is watched, or it was loaded again. @param {object} scene the server's message */
   watch(scene) {
-    this.end('the scene is another one now');
+    this.end(say('record.why.scene'));
     this.scene = scene;
   }
 
@@ -84,8 +85,8 @@ export class RecordBar {
     this.#write();
     this.file = parts && new File(parts, fileName('mcap', name), {type: 'application/octet-stream'});
     this.saved = this.file === null;
-    const ended = why && ` It ended by itself: ${why}.`;
-    const said = this.file ? `Recorded ${seconds.toFixed(1)} s of ${name}, ${(this.file.size / 1e6).toFixed(1)} MB. It is in this browser only.` : 'Nothing was recorded.';
+    const ended = why && say('record.ended', {why});
+    const said = this.file ? say('record.done', {seconds: seconds.toFixed(1), name, size: (this.file.size / 1e6).toFixed(1)}) : say('record.nothing');
     element('recorded').hidden = false;
     element('recorded').querySelector('span').textContent = said + ended;
     for (const id of ['recorded-save', 'recorded-open']) element(id).hidden = !this.file;
@@ -99,7 +100,7 @@ export class RecordBar {
 
   #write() {
     const button = element('record');
-    const text = this.recorder ? `Stop ${Math.floor(this.recorder.seconds)} s` : 'Record';
+    const text = this.recorder ? say('head.record.stop', {seconds: Math.floor(this.recorder.seconds)}) : say('head.record');
     if (button.textContent !== text) button.textContent = text;
     button.setAttribute('aria-pressed', String(this.recorder !== null));
   }

@@ -2,6 +2,7 @@
 
 import {EdgesGeometry, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial, OctahedronGeometry, Vector3} from 'three';
 import {Arrows, rodShape} from './arrows.js';
+import {say} from './language.js';
 import {length3, ROBOT_AT} from './messages.js';
 import {Pool} from './pool.js';
 
@@ -115,11 +116,11 @@ export function robotTexts(picture, seats) {
 function robotText({floats, words}, at, seats) {
   const flags = words[at + ROBOT_AT.flags];
   const hand = words[at + ROBOT_AT.hand];
-  const values = [hand > 0 ? `led by hand ${hand}` : 'led by no hand'];
-  values.push(flags & FLAG.sensed ? `${length3(floats, at + ROBOT_AT.force).toFixed(2)} N on its tool` : 'senses no force');
-  if (flags & FLAG.touches) values.push('touches');
-  if (flags & FLAG.stopped) values.push('protective stop');
-  else if (!(flags & FLAG.well)) values.push('not well');
-  const name = ['robot', seats[seatOf(flags)]].filter(Boolean).join(' ');
-  return {state: `${name}: ${STATES[words[at + ROBOT_AT.state]] ?? 'unknown'}`, values: values.join(', ')};
+  const values = [hand > 0 ? say('robot.led', {hand}) : say('robot.unled')];
+  values.push(flags & FLAG.sensed ? say('robot.force', {force: length3(floats, at + ROBOT_AT.force).toFixed(2)}) : say('robot.numb'));
+  if (flags & FLAG.touches) values.push(say('robot.touches'));
+  if (flags & FLAG.stopped) values.push(say('robot.stopped'));
+  else if (!(flags & FLAG.well)) values.push(say('robot.unwell'));
+  const name = [say('robot.name'), seats[seatOf(flags)]].filter(Boolean).join(' ');
+  return {state: say('robot.state', {name, state: say(`robot.${STATES[words[at + ROBOT_AT.state]] ?? 'unknown'}`)}), values: values.join(', ')};
 }

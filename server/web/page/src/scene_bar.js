@@ -1,13 +1,14 @@
 // The bar below the scene: what arrows mean, scales, the camera, what is drawn, a picture and a link of what is seen.
 
 import {ArrowScale} from './arrow_scale.js';
+import {say} from './language.js';
 import {writeLink} from './link.js';
 import {fileName, saveCanvas} from './save.js';
 import {scenePicture} from './scene_picture.js';
 import * as words from './words.js';
 
 const SAID = 4000;  // [ms] for which it is said what became of a link
-const KINDS = [['elastic', 'elastic force'], ['friction', 'friction force'], ['rendered', 'rendered force']];
+const KINDS = ['elastic', 'friction', 'rendered'];  // of arrows
 const element = (id) => document.getElementById(id);
 const press = (id, pressed) => element(id).setAttribute('aria-pressed', String(pressed));
 
@@ -30,16 +31,16 @@ export class SceneBar {
   bindings() {
     const {view} = this;
     return [
-      {keys: ['f'], text: 'show the whole scene and all hands', act: () => this.seeAll()},
-      {keys: ['c'], text: 'follow the chosen hand with the camera, or not', act: () => this.follow(!view.follows)},
-      {keys: ['x', 'y', 'z'], shown: 'x, y, z', text: 'look along an axis', act: (key) => this.#look(() => view.lookAlong(key))},
-      {keys: [',', '.'], shown: ', .', text: 'shorter, longer arrows', act: (key) => this.scaleArrows(key === '.' ? 1 : -1)},
-      {keys: ['a'], text: 'arrows scale by themselves, or not', act: () => this.scaleByItself(!this.auto)},
-      {keys: [';', "'"], shown: "; '", text: 'less, more exaggeration of depth', act: (key) => this.scaleDepth(key === "'" ? 1 : -1)},
-      {keys: ['t'], text: 'trails on or off', act: () => this.showTrails()},
-      {keys: ['s'], text: 'surfaces of local models on or off', act: () => this.showSurfaces()},
-      {keys: ['i'], text: 'save an image of the scene', act: () => this.savePicture()},
-      {keys: ['u'], text: 'copy a link to this view', act: () => this.makeLink()},
+      {keys: ['f'], text: say('keys.all'), act: () => this.seeAll()},
+      {keys: ['c'], text: say('keys.follow'), act: () => this.follow(!view.follows)},
+      {keys: ['x', 'y', 'z'], shown: 'x, y, z', text: say('keys.axis'), act: (key) => this.#look(() => view.lookAlong(key))},
+      {keys: [',', '.'], shown: ', .', text: say('keys.arrows'), act: (key) => this.scaleArrows(key === '.' ? 1 : -1)},
+      {keys: ['a'], text: say('keys.auto'), act: () => this.scaleByItself(!this.auto)},
+      {keys: [';', "'"], shown: "; '", text: say('keys.depth'), act: (key) => this.scaleDepth(key === "'" ? 1 : -1)},
+      {keys: ['t'], text: say('keys.trails'), act: () => this.showTrails()},
+      {keys: ['s'], text: say('keys.surfaces'), act: () => this.showSurfaces()},
+      {keys: ['i'], text: say('keys.image'), act: () => this.savePicture()},
+      {keys: ['u'], text: say('keys.link'), act: () => this.makeLink()},
     ];
   }
 
@@ -47,8 +48,8 @@ export class SceneBar {
   show() {
     const {view} = this;
     element('arrow-scale').textContent = `1 N = ${words.distance(view.perNewton)}`;
-    element('depth-scale').textContent = view.depthFactor === 1 ? 'drawn as it is' : `drawn × ${view.depthFactor}`;
-    element('grid-name').textContent = view.objects?.planes.length > 0 ? 'Grid' : 'Axes';
+    element('depth-scale').textContent = view.depthFactor === 1 ? say('bar.depth.true') : say('bar.depth.factor', {factor: view.depthFactor});
+    element('grid-name').textContent = say(view.objects?.planes.length > 0 ? 'bar.grid' : 'bar.axes');
     element('grid-scale').textContent = words.distance(view.spacing);
     view.stale = true;
   }
@@ -117,9 +118,9 @@ export class SceneBar {
   savePicture() {
     const {view} = this;
     const {scene} = this.page();
-    const text = ['arrow-scale', 'grid-scale'].map((id) => element(id).textContent);
-    const line = `${scene} · ${text[0]} · depth ${element('depth-scale').textContent} · ${element('grid-name').textContent.toLowerCase()} ${text[1]}`;
-    const kinds = KINDS.map(([kind, name]) => ({name, color: view.colors[kind]}));
+    const [arrows, depth, grid, step] = ['arrow-scale', 'depth-scale', 'grid-name', 'grid-scale'].map((id) => element(id).textContent);
+    const line = say('bar.image.line', {scene, arrows, depth, grid: grid.toLowerCase(), step});
+    const kinds = KINDS.map((kind) => ({name: say(`bar.${kind}`), color: view.colors[kind]}));
     saveCanvas(scenePicture(view, element('labels'), line, kinds), fileName('png', scene));
   }
 
@@ -127,10 +128,10 @@ export class SceneBar {
   async makeLink() {
     const {scene, chosen} = this.page();
     history.replaceState(null, '', location.pathname + location.search + writeLink({scene, hand: chosen, pose: this.view.pose}));
-    let said = 'The link to this view is in the address line.';
+    let said = say('bar.link.shown');
     try {
       await navigator.clipboard.writeText(location.href);
-      said = 'The link to this view is copied.';
+      said = say('bar.link.copied');
     } catch {
       // The address line has it.
     }

@@ -1,5 +1,6 @@
 // Records the scene that is watched, in this browser: the messages of the Foxglove protocol, which a ticket opens, into an MCAP file.
 
+import {say} from './language.js';
 import {McapWriter} from './mcap_writer.js';
 import {socketAddress} from './socket.js';
 
@@ -29,7 +30,7 @@ export class SceneRecorder {
     this.socket = new WebSocket(socketAddress(`.${path}`), PROTOCOLS);
     this.socket.binaryType = 'arraybuffer';
     this.socket.onmessage = ({data}) => (typeof data === 'string' ? this.#text(JSON.parse(data)) : this.#take(data));
-    this.socket.onclose = ({reason}) => this.#end(reason || 'the connection was lost');
+    this.socket.onclose = ({reason}) => this.#end(reason || say('record.why.lost'));
   }
 
   /** [s] that are recorded. */
@@ -68,7 +69,7 @@ export class SceneRecorder {
       return;
     }
     this.#write(message);
-    if (this.writer.size > MOST) this.#end('it has as much as this page keeps, 256 MB');
+    if (this.writer.size > MOST) this.#end(say('record.why.full'));
   }
 
   /** A message that is older than the recording gets the time of its begin. */

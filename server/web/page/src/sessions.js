@@ -3,6 +3,7 @@
 import {COLUMNS, columnsThatFit, compare} from './columns.js';
 import {make} from './elements.js';
 import {forGood} from './kept.js';
+import {say} from './language.js';
 
 const KEY = 'feltwire-columns';
 const LETTER = 7.6;  // [px]
@@ -46,7 +47,7 @@ export class Sessions {
 
   /** @param {number} number @returns {string} what a hand is called */
   name(number) {
-    return this.sessions.get(number)?.client ?? `hand ${number}`;
+    return this.sessions.get(number)?.client ?? say('hand.number', {number});
   }
 
   /** @param {Map<number, import('./hands.js').Hand>} hands @param {number | null} chosen */
@@ -98,7 +99,7 @@ export class Sessions {
   #makeHead() {
     const head = this.table.createTHead().insertRow();
     this.headings = COLUMNS.map(({name, hint, text}, i) => {
-      const button = make('button', {title: `${hint || name}. Click to sort.`, onclick: () => this.#sortBy(i)}, name);
+      const button = make('button', {title: say('table.sort.hint', {what: hint || name}), onclick: () => this.#sortBy(i)}, name);
       const cell = make('th', {scope: 'col', className: text ? 'text' : ''}, button);
       cell.ariaSort = i === 0 ? 'ascending' : 'none';
       head.append(cell);
@@ -107,17 +108,17 @@ export class Sessions {
   }
 
   #makeMenu(menu) {
-    this.boxes = COLUMNS.map(({name}) => make('input', {type: 'checkbox', onchange: (event) => this.#chooseColumn(name, event.target.checked)}));
+    this.boxes = COLUMNS.map(({id}) => make('input', {type: 'checkbox', onchange: (event) => this.#chooseColumn(id, event.target.checked)}));
     this.sorting = make('select', {onchange: (event) => this.#sortBy(Number(event.target.value), false)}, ...COLUMNS.map(({name}, i) => new Option(name, String(i))));
-    const byWidth = make('button', {title: 'Show the columns that fit', onclick: () => this.#chooseColumn(null)}, 'By width');
-    menu.append(make('summary', {}, 'Columns'), make('div', {}, make('label', {}, 'Sort by ', this.sorting), byWidth,
+    const byWidth = make('button', {title: say('table.width.hint'), onclick: () => this.#chooseColumn(null)}, say('table.width'));
+    menu.append(make('summary', {}, say('table.columns')), make('div', {}, make('label', {}, say('table.sort'), this.sorting), byWidth,
       ...COLUMNS.map(({name}, i) => make('label', {}, this.boxes[i], ` ${name}`))));
   }
 
-  /** @param {string | null} name null: none is chosen any more */
-  #chooseColumn(name, shown) {
-    if (name === null) this.chosenColumns.clear();
-    else this.chosenColumns.set(name, shown);
+  /** @param {string | null} id null: none is chosen any more */
+  #chooseColumn(id, shown) {
+    if (id === null) this.chosenColumns.clear();
+    else this.chosenColumns.set(id, shown);
     forGood.set(KEY, JSON.stringify(Object.fromEntries(this.chosenColumns)));
     this.#fit();
   }
@@ -142,10 +143,11 @@ export class Sessions {
   #makeRow(number) {
     const row = this.body.insertRow();
     row.tabIndex = 0;
-    for (const {name, text} of COLUMNS) {
+    for (const {id, name, text} of COLUMNS) {
       const cell = row.insertCell();
       cell.className = text ? 'text' : '';
       cell.dataset.name = name;
+      cell.dataset.column = id;
     }
     this.#hideCells(row);
     row.onclick = () => this.choose(number);

@@ -2,17 +2,12 @@
 // wakes and how long its round trips take, from the list of sessions.
 
 import {forSession} from './kept.js';
+import {say} from './language.js';
 import {TOKEN_KEY} from './socket.js';
 
 const PERIOD = 1000;  // [ms]
-const SERVER_TITLES = {
-  feltwire_answer_seconds: 'From when the server took a datagram up to its answer',
-  feltwire_world_late_seconds: 'How late the server woke for what moves',
-};
-const HAND_TITLES = {
-  wakeups: 'How late the servo woke',
-  round_trips: 'Round trip of a sample and its reply',
-};
+const OF_SERVER = {feltwire_answer_seconds: 'times.answer', feltwire_world_late_seconds: 'times.world'};  // metric: its title
+const OF_HAND = ['wakeups', 'round_trips'];
 
 /**
  * @param {string} text what /metrics answered (Prometheus)
@@ -79,25 +74,25 @@ export class Times {
     const said = this.dialog.querySelector('p');
     try {
       const answer = await fetch('metrics', {headers: {Authorization: `Bearer ${forSession.get(TOKEN_KEY)}`}});
-      if (!answer.ok) throw new Error(`the server answered ${answer.status}`);
+      if (!answer.ok) throw new Error(say('times.answered', {status: answer.status}));
       const text = await answer.text();
       this.dialog.querySelector('div').replaceChildren(...this.#ofServer(text), ...this.#ofHand());
-      const missing = text.includes('feltwire_answer_seconds_bucket') ? '' : ' The times of the server itself are on its own page.';
-      said.textContent = `Since this was opened. The bars are logarithmic.${missing}`;
+      const missing = text.includes('feltwire_answer_seconds_bucket') ? '' : say('times.elsewhere');
+      said.textContent = say('times.since') + missing;
     } catch (error) {
-      said.textContent = `The times cannot be read: ${error.message}.`;
+      said.textContent = say('times.failed', {reason: error.message});
     }
   }
 
   #ofServer(text) {
     const scene = this.scene();
-    return Object.entries(SERVER_TITLES).flatMap(([metric, title]) => this.#table(`${scene} ${metric}`, title, readTimes(text, metric, scene)));
+    return Object.entries(OF_SERVER).flatMap(([metric, title]) => this.#table(`${scene} ${metric}`, say(title), readTimes(text, metric, scene)));
   }
 
   #ofHand() {
     const {name, session} = this.hand();
-    return Object.entries(HAND_TITLES).flatMap(([counts, title]) => (
-      this.#table(`${session?.session} ${counts}`, `${name}: ${title}`, classesOf(session?.[counts], this.limits[counts]))));
+    return OF_HAND.flatMap((counts) => (
+      this.#table(`${session?.session} ${counts}`, say(`times.${counts}`, {name}), classesOf(session?.[counts], this.limits[counts]))));
   }
 
   #table(key, title, classes) {

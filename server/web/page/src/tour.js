@@ -64,9 +64,10 @@ export class Tour {
     this.active = active;
     if (this.panel.childElementCount === 0) this.#build();
     this.page.scale(active ? PER_NEWTON : null);
-    if (active) return this.go(this.step);
-    this.#leave();
-    return undefined;
+    if (active) {
+      this.go(this.step);
+      this.title.focus({preventScroll: true});
+    } else this.#leave();
   }
 
   /** @param {number} step of STEPS */

@@ -1,5 +1,6 @@
 // Says in words why a hand feels what it feels.
 
+import {hasText, say} from './language.js';
 import {AT} from './messages.js';
 import * as words from './words.js';
 
@@ -13,19 +14,19 @@ const MANY = 3;  // times the force of the scene from which no percentage is sai
  */
 export function sentence(hand, {movesRobot = false, near = false} = {}) {
   if (movesRobot) {
-    const beside = hand.commanded < TOUCH ? '' : ` The scene asks for ${words.force(hand.commanded)} beside.`;
-    return `It moves a robot and feels what the robot touches: the device renders ${words.force(hand.rendered)}.${beside}`;
+    const beside = hand.commanded < TOUCH ? '' : say('why.beside', {force: words.force(hand.commanded)});
+    return say('why.robot', {force: words.force(hand.rendered)}) + beside;
   }
-  if (hand.commanded < TOUCH && hand.rendered < TOUCH) return 'It moves freely and touches nothing.';
-  if (hand.commanded < TOUCH) return `The scene asks for no force, but the device still holds ${words.force(hand.rendered)}.`;
-  const where = hand.floats[AT.depth] > 0 ? `It presses ${words.depth(hand.floats[AT.depth])} deep. ` : '';
+  if (hand.commanded < TOUCH && hand.rendered < TOUCH) return say('why.free');
+  if (hand.commanded < TOUCH) return say('why.rest', {force: words.force(hand.rendered)});
+  const where = hand.floats[AT.depth] > 0 ? say('why.depth', {depth: words.depth(hand.floats[AT.depth])}) : '';
   const share = hand.rendered / hand.commanded;
-  const held = `The scene asks for ${words.force(hand.commanded)}, and the device renders ${words.force(hand.rendered)}`;
-  if (share > 0.98 && share < 1.02) return `${where}${held}: all of it.`;
-  if (share < 1) return `${where}${held}: ${Math.round(100 * share)} %.`;
+  const held = (text) => say('why.held', {where, asked: words.force(hand.commanded), held: words.force(hand.rendered), share: text});
+  if (share > 0.98 && share < 1.02) return held(say('why.all'));
+  if (share < 1) return held(say('why.part', {share: Math.round(100 * share)}));
   // Both forces are of one picture, but not of one position.
-  const size = share > MANY ? `more than ${MANY} times as much` : `${Math.round(100 * share)} %`;
-  return `${where}${held}: ${size}, because ${near ? 'its client computes the force by itself, at a newer position' : 'the device still answers an earlier position'}.`;
+  const cause = say(near ? 'why.newer' : 'why.older');
+  return held(share > MANY ? say('why.far', {times: MANY, cause}) : say('why.above', {share: Math.round(100 * share), cause}));
 }
 
 /**
@@ -34,9 +35,16 @@ export function sentence(hand, {movesRobot = false, near = false} = {}) {
  */
 export function accounted(hand, session, smallDebt) {
   const owed = -hand.floats[AT.room];
-  const debt = owed > smallDebt ? ` Its account is short of ${words.energy(owed)}.` : '';
-  const damping = session?.hand_damping > 0 ? ` Its shaping counts on ${words.number(session.hand_damping, 2, 'N s/m')} of the hand itself.` : '';
+  const debt = owed > smallDebt ? say('why.debt', {energy: words.energy(owed)}) : '';
+  const damping = session?.hand_damping > 0 ? say('why.damping', {damping: words.number(session.hand_damping, 2, 'N s/m')}) : '';
   return debt + damping;
+}
+
+/** A reason in the language of the page. Servers that are newer than the page may have others: they say them in English. */
+function reasonText({name, text}, before) {
+  const again = before.filter((reason) => reason.name === name).length;
+  const key = `reason.${name}${again > 0 ? `.${again + 1}` : ''}`;
+  return hasText(key) ? say(key) : text;
 }
 
 /** The strip below the scene. Elements are made once for each reason and then shown or hidden. */
@@ -57,9 +65,9 @@ export class Why {
     this.list.replaceChildren();
     this.moving = reasons.findIndex(({name}) => name === 'moves_robot');
     this.near = reasons.findIndex(({name}) => name === 'near');
-    this.items = reasons.map((reason) => {
+    this.items = reasons.map((reason, bit) => {
       const [item, text, share] = ['li', 'span', 'b'].map((tag) => document.createElement(tag));
-      text.textContent = reason.text;
+      text.textContent = reasonText(reason, reasons.slice(0, bit));
       item.title = reason.name;
       item.hidden = true;
       item.classList.toggle('state', reason.cuts === false);
@@ -73,12 +81,12 @@ export class Why {
   show(hand, seen, session) {
     const active = hand?.activeReasons() ?? [];
     const does = {movesRobot: active.includes(this.moving), near: active.includes(this.near)};
-    const said = (hand ? sentence(hand, does) + accounted(hand, session, this.smallDebt) : seen ? 'No hand is in this scene yet.' : 'Nothing has come from the server yet.');
+    const said = (hand ? sentence(hand, does) + accounted(hand, session, this.smallDebt) : say(seen ? 'scene.empty' : 'why.nothing'));
     this.#write(this.text, said);
     if (this.text.title !== said) this.text.title = said;  // Where it is cut.
     this.items.forEach(({item, share}, bit) => {
       item.hidden = !active.includes(bit);
-      if (!item.hidden) this.#write(share, `${Math.max(1, Math.round(100 * hand.share[bit]))} % of the time`);
+      if (!item.hidden) this.#write(share, say('why.share', {share: Math.max(1, Math.round(100 * hand.share[bit]))}));
     });
   }
 

@@ -1,5 +1,7 @@
 // Little-endian numbers out of bytes that somebody else wrote, and their CRC.
 
+import {say} from '../language.js';
+
 const TABLE = Uint32Array.from({length: 256}, (_, byte) => {
   let value = byte;
   for (let bit = 0; bit < 8; ++bit) value = value & 1 ? 0xedb88320 ^ (value >>> 1) : value >>> 1;
@@ -51,7 +53,7 @@ export class Cursor {
 
   /** @param {number} size */
   take(size) {
-    if (!(size <= this.left)) throw new RangeError('past the end');
+    if (!(size <= this.left)) throw new RangeError(say('file.range.end'));
     return this.bytes.subarray(this.at, (this.at += size));
   }
 

@@ -2,6 +2,7 @@
 // an end is searched from its beginning, from one record's head to the next.
 
 import {decompress} from 'fzstd';
+import {say} from '../language.js';
 import {crc32, Cursor} from './bytes.js';
 
 const MAGIC = [0x89, 0x4d, 0x43, 0x41, 0x50, 0x30, 0x0d, 0x0a];
@@ -11,14 +12,13 @@ const FOOTER = HEAD + 20;
 const PAGE = 1 << 15;  // [bytes] that are read at once while searching
 const MOST = {record: 2 ** 28, chunk: 2 ** 26, summary: 2 ** 26};  // [bytes] that a file may ask for
 const NAMED = new Map([['feltwire', 'about'], ['scene', 'scene']]);  // metadata records that are kept, and where
-const COPY = 'the file is damaged: copy it anew from where it was recorded';
-const CONVERT = 'convert the file with: mcap compress --compression zstd';
+const CONVERT = 'mcap compress --compression zstd';
 
 /** What is wrong with a recording, where, and what to do. */
 export class RecordingError extends Error {
   /** @param {string} name @param {number} at byte @param {string} what @param {string} remedy */
-  constructor(name, at, what, remedy = COPY) {
-    super(`${name}: byte ${at}: ${what}; ${remedy}`);
+  constructor(name, at, what, remedy = say('file.copy')) {
+    super(say('file.where', {file: name, at, what, remedy}));
   }
 }
 
@@ -36,7 +36,7 @@ export class McapFile {
     const mcap = new McapFile(file);
     const begin = await mcap.slice(0, MAGIC.length);
     if (!begin.every((byte, i) => byte === MAGIC[i]) || begin.length === 0) {
-      mcap.fail(0, 'this is no MCAP file', 'choose one that --record FILE.mcap wrote');
+      mcap.fail(0, say('file.none'), say('file.none.remedy'));
     }
     if (!(await mcap.#readSummary())) await mcap.#search();
     mcap.chunks.sort((a, b) => (a.from < b.from ? -1 : a.from > b.from ? 1 : 0));
@@ -63,7 +63,7 @@ export class McapFile {
     try {
       return new Uint8Array(await this.file.slice(from, to).arrayBuffer());
     } catch (error) {
-      return this.fail(from, `the browser cannot read it (${error.message})`, 'the file was changed or moved since: open it again');
+      return this.fail(from, say('file.unread', {error: error.message}), say('file.unread.remedy'));
     }
   }
 
@@ -75,33 +75,33 @@ export class McapFile {
     const bytes = await this.slice(chunk.at, chunk.at + chunk.length);
     try {
       const cursor = new Cursor(bytes);
-      if (cursor.u8() !== OP.chunk || cursor.u64() !== chunk.length - HEAD) this.fail(chunk.at, 'there is no chunk where the index says');
+      if (cursor.u8() !== OP.chunk || cursor.u64() !== chunk.length - HEAD) this.fail(chunk.at, say('file.index'));
       cursor.take(16);  // its times
       const size = cursor.u64();
       const crc = cursor.u32();
       const compression = cursor.text();
       const stored = cursor.take(cursor.u64());
-      if (size > MOST.chunk) this.fail(chunk.at, `a chunk says that it has ${size} bytes, and at most ${MOST.chunk} are read`);
+      if (size > MOST.chunk) this.fail(chunk.at, say('file.large', {size, most: MOST.chunk}));
       const records = this.#expand(chunk, compression, stored, size);
-      if (crc !== 0 && crc !== crc32(records)) this.fail(chunk.at, 'the CRC of a chunk is wrong');
+      if (crc !== 0 && crc !== crc32(records)) this.fail(chunk.at, say('file.crc'));
       return records;
     } catch (error) {
-      if (error instanceof RangeError) this.fail(chunk.at, 'a chunk ends within a field');
+      if (error instanceof RangeError) this.fail(chunk.at, say('file.field'));
       throw error;
     }
   }
 
   #expand(chunk, compression, stored, size) {
-    if (compression !== '' && compression !== 'zstd') this.fail(chunk.at, `a chunk is compressed by ${compression}, which is not known here`, CONVERT);
+    if (compression !== '' && compression !== 'zstd') this.fail(chunk.at, say('file.compression', {compression}), say('file.convert', {command: CONVERT}));
     let records = stored;
     if (compression === 'zstd') {
       try {
         records = decompress(stored, new Uint8Array(size));  // It never becomes larger than the room that is given.
       } catch {
-        this.fail(chunk.at, 'a chunk cannot be decompressed');
+        this.fail(chunk.at, say('file.unpacked'));
       }
     }
-    if (records.length !== size) this.fail(chunk.at, 'a chunk has another size than it says');
+    if (records.length !== size) this.fail(chunk.at, say('file.size'));
     return records;
   }
 
@@ -117,14 +117,14 @@ export class McapFile {
     if (start === 0) return false;
     try {
       const length = size - MAGIC.length - start;
-      if (!(length >= FOOTER && length <= MOST.summary)) this.fail(size - FOOTER - MAGIC.length, 'the footer says that the summary begins where it cannot');
+      if (!(length >= FOOTER && length <= MOST.summary)) this.fail(size - FOOTER - MAGIC.length, say('file.footer'));
       const bytes = await this.slice(start, start + length);
-      if (crc !== 0 && crc !== crc32(bytes.subarray(0, length - 4))) this.fail(start, 'the CRC of the summary is wrong');
+      if (crc !== 0 && crc !== crc32(bytes.subarray(0, length - 4))) this.fail(start, say('file.summary.crc'));
       await this.#takeSummary(bytes.subarray(0, length - FOOTER), start);
       return true;
     } catch (error) {
       if (!(error instanceof RecordingError || error instanceof RangeError)) throw error;
-      this.troubles.push(error instanceof RangeError ? `${this.file.name}: byte ${start}: the summary ends within a field; ${COPY}` : error.message);
+      this.troubles.push(error instanceof RangeError ? new RecordingError(this.file.name, start, say('file.summary.field')).message : error.message);
       this.chunks = [];
       return false;
     }
@@ -150,16 +150,16 @@ export class McapFile {
     content.text();
     content.u64();
     const size = content.u64();
-    if (place + length > this.file.size || length > MOST.record || size > MOST.chunk || to < from) this.fail(at, 'the index names a chunk that cannot be');
+    if (place + length > this.file.size || length > MOST.record || size > MOST.chunk || to < from) this.fail(at, say('file.chunk.impossible'));
     this.chunks.push(chunkOf(from, to, place, length, size));
   }
 
   async #followMetadata(content, at) {
     const [place, length] = [content.u64(), content.u64()];
     if (!NAMED.has(content.text())) return;
-    if (place + length > this.file.size || length > MOST.summary) this.fail(at, 'the index names metadata that cannot be');
+    if (place + length > this.file.size || length > MOST.summary) this.fail(at, say('file.metadata.impossible'));
     const record = new Cursor(await this.slice(place, place + length));
-    if (record.u8() !== OP.metadata) this.fail(place, 'there is no metadata where the index says');
+    if (record.u8() !== OP.metadata) this.fail(place, say('file.metadata'));
     record.u64();
     this.#takeMetadata(record);
   }
@@ -189,7 +189,7 @@ export class McapFile {
       if (head.left < HEAD) return this.#cut(at);
       const opcode = head.u8();
       const length = head.u64();
-      if (opcode === 0 || length > MOST.record) return this.#damaged(at, `a record says that it has ${length} bytes, and at most ${MOST.record} are read`);
+      if (opcode === 0 || length > MOST.record) return this.#damaged(at, say('file.record', {size: length, most: MOST.record}));
       if (at + HEAD + length > size) return this.#cut(at);
       try {
         if (opcode === OP.chunk) this.#findChunk(new Cursor(await peek(at + HEAD, Math.min(length, 64))), at, HEAD + length);
@@ -197,9 +197,9 @@ export class McapFile {
         if (opcode === OP.metadata) this.#takeMetadata(new Cursor(await peek(at + HEAD, length)));
       } catch (error) {
         if (!(error instanceof RangeError)) throw error;
-        return this.#damaged(at, 'a record ends within a field');
+        return this.#damaged(at, say('file.record.field'));
       }
-      if (opcode === OP.message) return this.#damaged(at, 'messages that are in no chunk are not read here', CONVERT);
+      if (opcode === OP.message) return this.#damaged(at, say('file.loose'), say('file.convert', {command: CONVERT}));
       if (opcode === OP.footer || opcode === OP.dataEnd) return undefined;
       at += HEAD + length;
     }
@@ -208,7 +208,7 @@ export class McapFile {
   #findChunk(content, at, length) {
     const [from, to] = [content.time(), content.time()];
     const size = content.u64();
-    if (size > MOST.chunk || to < from) throw new RangeError('no chunk');
+    if (size > MOST.chunk || to < from) throw new RangeError(say('file.range.chunk'));
     this.chunks.push(chunkOf(from, to, at, length, size));
   }
 

@@ -1,6 +1,7 @@
 // Plots of one hand of a recording, around the moment that is shown. A click goes to its moment.
 
 import uPlot from 'uplot';
+import {say} from '../language.js';
 import {length3} from '../messages.js';
 import {energyTick, LEFT, makePane, range, RIGHT, tick} from '../plots.js';
 import * as words from '../words.js';
@@ -17,22 +18,22 @@ const hand = (segment, which) => (which === null ? segment.own : segment.hands.g
 /** What is plotted: a line has a name, an explanation, how a row becomes its value, a color of the theme, and how it is written. */
 const PLOTS = [
   {
-    title: 'Force', tick: tick('N'), least: 1, table: hand, lines: [
-      {name: 'elastic', hint: 'commanded by the scene, against the surface\'s deformation', of: size(ROW.elastic), color: 'elastic', write: words.force},
-      {name: 'friction', hint: 'commanded by the scene, against sliding', of: size(ROW.friction), color: 'friction', write: words.force},
-      {name: 'commanded', hint: 'size of the sum of both, which the scene asks for', of: asked, color: 'ink', dash: [5, 4], write: words.force},
-      {name: 'held', hint: 'what the hand was given, after all limits', of: size(ROW.held), color: 'rendered', width: 2.5, write: words.force},
+    title: say('plot.force'), tick: tick('N'), least: 1, table: hand, lines: [
+      {name: say('line.elastic'), hint: say('line.elastic.hint'), of: size(ROW.elastic), color: 'elastic', write: words.force},
+      {name: say('line.friction'), hint: say('line.friction.hint'), of: size(ROW.friction), color: 'friction', write: words.force},
+      {name: say('line.commanded'), hint: say('line.commanded.hint'), of: asked, color: 'ink', dash: [5, 4], write: words.force},
+      {name: say('line.held'), hint: say('line.held.hint'), of: size(ROW.held), color: 'rendered', width: 2.5, write: words.force},
     ],
   },
   {
-    title: 'Energy account', tick: energyTick, least: 0.001, second: {tick: tick('%'), least: 5}, table: (segment, which) => (which === null ? segment.accounts : null), lines: [
-      {name: 'balance', hint: 'what the device certainly burned and the hand was not given', of: number(ACCOUNT.balance), color: 'elastic', write: words.energy},
-      {name: 'cut', hint: 'share of the force that the account took off', of: number(ACCOUNT.cut, 100), color: 'limit', write: (value) => words.number(value, 1, '%'), scale: 'second'},
+    title: say('plot.account'), tick: energyTick, least: 0.001, second: {tick: tick('%'), least: 5}, table: (segment, which) => (which === null ? segment.accounts : null), lines: [
+      {name: say('line.balance'), hint: say('line.balance.hint'), of: number(ACCOUNT.balance), color: 'elastic', write: words.energy},
+      {name: say('line.cut'), hint: say('line.cut.hint'), of: number(ACCOUNT.cut, 100), color: 'limit', write: (value) => words.number(value, 1, '%'), scale: 'second'},
     ],
   },
   {
-    title: 'Age of the command', tick: tick('ms'), least: 2, table: (segment, which) => (which === null ? segment.own : null), lines: [
-      {name: 'age', hint: 'since the newest answer of the server', of: (rows, row) => (rows[row + ROW.age] >= 0 ? 1000 * rows[row + ROW.age] : NaN), color: 'elastic', write: (value) => words.number(value, 2, 'ms')},
+    title: say('plot.age'), tick: tick('ms'), least: 2, table: (segment, which) => (which === null ? segment.own : null), lines: [
+      {name: say('line.age'), hint: say('line.age.hint'), of: (rows, row) => (rows[row + ROW.age] >= 0 ? 1000 * rows[row + ROW.age] : NaN), color: 'elastic', write: (value) => words.number(value, 2, 'ms')},
     ],
   },
 ];

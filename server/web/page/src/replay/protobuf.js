@@ -1,10 +1,12 @@
 // Protobuf, as far as recordings need it: a message is walked field by field, without a schema. What does not fit throws a RangeError.
 
+import {say} from '../language.js';
+
 /** Walks the fields of a message. @example for (const fields = new Fields(bytes); fields.next();) ... fields.number */
 export class Fields {
   /** @param {DataView} view @param {number} at where the message begins @param {number} end where it ends */
   constructor(view, at, end) {
-    if (end > view.byteLength) throw new RangeError('a message is longer than what has it');
+    if (end > view.byteLength) throw new RangeError(say('file.range.message'));
     this.view = view;
     this.at = at;
     this.limit = end;
@@ -39,15 +41,15 @@ export class Fields {
         this.at += 4;
         break;
       default:
-        throw new RangeError('a field is of no known kind');
+        throw new RangeError(say('file.range.kind'));
     }
-    if (this.at > this.limit) throw new RangeError('a field is longer than its message');
+    if (this.at > this.limit) throw new RangeError(say('file.range.field'));
     return true;
   }
 
   /** The field as a message of its own. */
   message() {
-    if (this.type !== 2) throw new RangeError('a field is no message');
+    if (this.type !== 2) throw new RangeError(say('file.range.nested'));
     return new Fields(this.view, this.begin, this.end);
   }
 
@@ -70,6 +72,6 @@ export class Fields {
       value += (byte & 127) * factor;
       if (byte < 128) return value;
     }
-    throw new RangeError('a number has no end');
+    throw new RangeError(say('file.range.number'));
   }
 }

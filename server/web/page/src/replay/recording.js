@@ -1,5 +1,6 @@
 // A recording that is open: which chunks are needed is read, the newest used are kept, and damaged ones are said once.
 
+import {say} from '../language.js';
 import {McapFile, RecordingError} from './mcap.js';
 import {sceneOf, trianglesOf} from './scene_of_file.js';
 import {readSegment} from './tables.js';
@@ -13,7 +14,7 @@ export class Recording {
     const mcap = await McapFile.open(file);
     if (mcap.chunks.length === 0) {
       if (mcap.troubles.length > 0) throw new Error(mcap.troubles.join('\n'));
-      mcap.fail(mcap.cutAt ?? 0, 'there is no message in it', 'record for longer: a chunk is written after a second');
+      mcap.fail(mcap.cutAt ?? 0, say('file.empty'), say('file.empty.remedy'));
     }
     return new Recording(mcap, changed);
   }
@@ -33,7 +34,7 @@ export class Recording {
     }));
     this.troubles = [...mcap.troubles];
     if (mcap.cutAt !== null) {
-      this.troubles.push(`${this.name}: it has no end: it was cut at byte ${mcap.cutAt}. What was recorded before is shown.`);
+      this.troubles.push(say('file.cut', {file: this.name, at: mcap.cutAt}));
     }
     this.clock = 0;
     this.kept = 0;
@@ -84,7 +85,7 @@ export class Recording {
       chunk.failed = true;
       if (error instanceof RecordingError) this.troubles.push(error.message);
       else if (error instanceof RangeError) {
-        this.troubles.push(new RecordingError(this.name, chunk.at, `a message of this chunk does not fit (${error.message})`).message);
+        this.troubles.push(new RecordingError(this.name, chunk.at, say('file.message', {error: error.message})).message);
       } else throw error;
       return null;
     }

@@ -1,5 +1,6 @@
 // Shows recordings of this machine: one, or two side by side, with a common time bar. Nothing is sent, and nothing is asked of a server.
 
+import {say} from '../language.js';
 import {bindKeys} from '../panels.js';
 import {CLASSES} from './reasons.js';
 import {Recording} from './recording.js';
@@ -38,7 +39,7 @@ export class Replay {
     element('replay-clock').onclick = () => this.#byClock();
     element('live-page').hidden = location.protocol === 'file:';
     element('live-page').onclick = () => location.assign('./');
-    element('replay-classes').append(...CLASSES.map(({name, text, color}) => legendItem(name, text, color)));
+    element('replay-classes').append(...CLASSES.map(({name, color}) => legendItem(say(`class.${name}`), say(`class.${name}.hint`), color)));
     addEventListener('dragover', (event) => this.#drag(event, true));
     addEventListener('dragleave', (event) => event.relatedTarget === null && this.#drag(event, false));
     addEventListener('drop', (event) => {
@@ -56,7 +57,7 @@ export class Replay {
     this.begin();
     document.body.classList.add('replaying');
     element('replay').hidden = false;
-    document.title = 'Recordings – feltwire';
+    document.title = say('replay.title');
     requestAnimationFrame((now) => this.#step(now));
   }
 
@@ -69,7 +70,7 @@ export class Replay {
         this.#add(recording);
       } catch (error) {
         this.start();
-        say(error.message);
+        complain(error.message);
       }
     }
   }
@@ -101,8 +102,8 @@ export class Replay {
     element('replay-empty').hidden = count > 0;
     element('replay-controls').hidden = count === 0;
     for (const id of ['replay-offset-label', 'replay-clock']) element(id).hidden = count < 2;
-    element('open-recording').textContent = count === 1 ? 'Open a second' : 'Open recording';
-    document.title = count > 0 ? `${this.stages.map(({stage}) => stage.recording.name).join(', ')} – feltwire` : 'Recordings – feltwire';
+    element('open-recording').textContent = say(count === 1 ? 'head.open.second' : 'head.open');
+    document.title = count > 0 ? say('app.title', {scene: this.stages.map(({stage}) => stage.recording.name).join(', ')}) : say('replay.title');
     if (count === 0) this.play(false);
     if (count > 1) element('replay-offset').value = +this.stages[1].offset.toFixed(3);
     this.seek(this.time);
@@ -142,7 +143,7 @@ export class Replay {
     if (playing && this.time >= this.to) this.time = this.from;
     this.playing = playing && this.stages.length > 0;
     element('replay-play').setAttribute('aria-pressed', String(this.playing));
-    element('replay-play').textContent = this.playing ? 'Pause' : 'Play';
+    element('replay-play').textContent = say(this.playing ? 'replay.pause' : 'replay.play');
     this.#news();
   }
 
@@ -218,26 +219,26 @@ export class Replay {
       this.speed = Number(list.value);
     };
     bindKeys(element('replay-keys'), [
-      {keys: [' '], shown: 'space', text: 'play, pause', act: () => this.play(!this.playing)},
-      {keys: ['ArrowLeft', 'ArrowRight'], shown: '← →', text: 'one second back, on; with shift: turn the camera', act: (key, event) => {
+      {keys: [' '], shown: say('keys.space'), text: say('keys.play'), act: () => this.play(!this.playing)},
+      {keys: ['ArrowLeft', 'ArrowRight'], shown: '← →', text: say('keys.second'), act: (key, event) => {
         if (event.shiftKey) views((view) => view.turn(...turn[key]));
         else this.seek(this.time + (key === 'ArrowLeft' ? -1 : 1));
       }},
-      {keys: ['ArrowUp', 'ArrowDown'], shown: '↑ ↓', text: 'ten milliseconds on, back; with shift: raise, lower the camera', act: (key, event) => {
+      {keys: ['ArrowUp', 'ArrowDown'], shown: '↑ ↓', text: say('keys.hundredth'), act: (key, event) => {
         if (event.shiftKey) views((view) => view.turn(...turn[key]));
         else this.seek(this.time + (key === 'ArrowUp' ? 0.01 : -0.01));
       }},
-      {keys: ['PageUp', 'PageDown'], shown: 'page ↑ ↓', text: 'ten seconds back, on', act: (key) => this.seek(this.time + (key === 'PageUp' ? -10 : 10))},
-      {keys: ['Home', 'End'], shown: 'home, end', text: 'to the begin, to the end', act: (key) => this.seek(key === 'Home' ? this.from : this.to)},
-      {keys: ['[', ']'], shown: '[ ]', text: 'slower, faster', act: (key) => chooseSpeed(key === '[' ? -1 : 1)},
-      {keys: ['r'], text: 'repeat or not', act: () => element('replay-loop').click()},
-      {keys: ['n', 'p'], shown: 'n, p', text: 'next, previous hand', act: (key) => this.stages.forEach(({stage}) => stage.chooseNext(key === 'n' ? 1 : -1))},
-      {keys: ['+', '=', '-'], shown: '+ −', text: 'zoom in, out', act: (key) => views((view) => view.zoom(key === '-' ? 1 / 1.2 : 1.2))},
-      {keys: ['f'], text: 'show all places where hands were', act: () => views((view) => view.lookAtAll())},
-      {keys: ['x', 'y', 'z'], shown: 'x, y, z', text: 'look along an axis', act: (key) => views((view) => view.lookAlong(key))},
-      {keys: ['o'], text: 'open a recording', act: () => element('recording-files').click()},
-      {keys: ['l'], text: 'light or dark', act: () => element('theme').click()},
-      {keys: ['?'], text: 'this list', act: () => element('help').showModal()},
+      {keys: ['PageUp', 'PageDown'], shown: say('keys.pages'), text: say('keys.ten'), act: (key) => this.seek(this.time + (key === 'PageUp' ? -10 : 10))},
+      {keys: ['Home', 'End'], shown: say('keys.ends'), text: say('keys.begin'), act: (key) => this.seek(key === 'Home' ? this.from : this.to)},
+      {keys: ['[', ']'], shown: '[ ]', text: say('keys.speed'), act: (key) => chooseSpeed(key === '[' ? -1 : 1)},
+      {keys: ['r'], text: say('keys.repeat'), act: () => element('replay-loop').click()},
+      {keys: ['n', 'p'], shown: 'n, p', text: say('keys.hands'), act: (key) => this.stages.forEach(({stage}) => stage.chooseNext(key === 'n' ? 1 : -1))},
+      {keys: ['+', '=', '-'], shown: '+ −', text: say('keys.zoom'), act: (key) => views((view) => view.zoom(key === '-' ? 1 / 1.2 : 1.2))},
+      {keys: ['f'], text: say('keys.places'), act: () => views((view) => view.lookAtAll())},
+      {keys: ['x', 'y', 'z'], shown: 'x, y, z', text: say('keys.axis'), act: (key) => views((view) => view.lookAlong(key))},
+      {keys: ['o'], text: say('keys.open'), act: () => element('recording-files').click()},
+      {keys: ['l'], text: say('keys.theme'), act: () => element('theme').click()},
+      {keys: ['?'], text: say('keys.help'), act: () => element('help').showModal()},
     ], () => this.active);
   }
 }
@@ -257,7 +258,7 @@ function clock(seconds) {
   return `${seconds < 0 && size > 0 ? '−' : ''}${Math.floor(size / 60000)}:${rest}`;
 }
 
-function say(text) {
+function complain(text) {
   element('log').hidden = false;
   element('log').dataset.level = 'error';
   element('log').querySelector('span').textContent = text;

@@ -1,5 +1,6 @@
 // The scene in a recording of the live page: its description, the triangles of its objects, and where they were.
 
+import {say} from '../language.js';
 import {Quaternion, Vector3} from 'three';
 import {Fields} from './protobuf.js';
 import {FRESH, readPose} from './tables.js';
@@ -58,7 +59,7 @@ function readTriangles(list) {
     }
     if (list.number === 5) corners = Uint32Array.from({length: (list.end - list.begin) >> 2}, (_, i) => list.view.getUint32(list.begin + 4 * i, true));
   }
-  for (const corner of corners) if (3 * corner >= positions.length) throw new RangeError('a triangle has a corner that is not there');
+  for (const corner of corners) if (3 * corner >= positions.length) throw new RangeError(say('file.range.corner'));
   turn.set(pose[4], pose[5], pose[6], pose[3]);
   for (let i = 0; i < positions.length; i += 3) {
     position.fromArray(positions, i).applyQuaternion(turn);

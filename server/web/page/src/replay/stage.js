@@ -1,6 +1,7 @@
 // A recording on the page: the hands in 3D, plots, and why a hand felt what it felt.
 
 import {Labels} from '../labels.js';
+import {say} from '../language.js';
 import {AT, BODY_AT, HAND_WORDS, length3, Picture} from '../messages.js';
 import {View} from '../view.js';
 import {sentence} from '../why.js';
@@ -96,7 +97,7 @@ export class Stage {
   }
 
   name(number) {
-    return number === OWN ? this.recording.about.client ?? 'the hand' : `hand ${number}`;
+    return number === OWN ? this.recording.about.client ?? say('replay.hand') : say('hand.number', {number});
   }
 
   /** Shows a moment. What is not read yet comes later, by `changed` of the recording. @param {number} time [s] of this recording */
@@ -205,7 +206,7 @@ export class Stage {
   /** @param {number} perNewton [m] of all arrows */
   scale(perNewton) {
     this.view.perNewton = perNewton;
-    const text = `1 N = ${words.distance(perNewton)}; grid ${words.distance(this.view.spacing)}`;
+    const text = say('replay.scale', {arrow: words.distance(perNewton), grid: words.distance(this.view.spacing)});
     if (this.part('scale').textContent !== text) this.part('scale').textContent = text;
   }
 
@@ -217,7 +218,7 @@ export class Stage {
     this.labels.write(shown, (number) => this.name(number), this.chosen);
     const row = hands.get(this.chosen);
     const count = this.hands().length;
-    put('chosen', row || count > 0 ? `${this.name(this.chosen)}${count > 1 ? `, one of ${count} hands` : ''}` : '');
+    put('chosen', row || count > 0 ? (count > 1 ? say('replay.one.of', {name: this.name(this.chosen), count}) : this.name(this.chosen)) : '');
     this.part('next').hidden = count < 2;
     put('sentence', row ? handSentence(row) : this.#emptySentence(time));
     const own = this.chosen === OWN && row && account && account.time >= time - FRESH;
@@ -227,31 +228,32 @@ export class Stage {
   }
 
   #emptySentence(time) {
-    if (!this.whole) return 'Reading…';
-    if (time < 0 || time > this.recording.duration) return 'This recording has nothing at this time.';
-    return 'No hand was recorded at this time.';
+    if (!this.whole) return say('replay.reading');
+    if (time < 0 || time > this.recording.duration) return say('replay.outside');
+    return say('replay.nobody');
   }
 }
 
 /** @param {Float32Array} row of a hand */
 function handSentence(row) {
   const held = length3(row, ROW.held);
-  if (Number.isNaN(row[ROW.elastic])) return held > 0 ? `It is given ${words.force(held)}.` : 'It is given no force.';
+  if (Number.isNaN(row[ROW.elastic])) return held > 0 ? say('replay.given', {force: words.force(held)}) : say('replay.given.none');
   return sentence({commanded: askedForce(row, 0), rendered: held, floats: handWords(0, row)});
 }
 
 /** @param {Float32Array} account */
 function reasonSentence(account) {
   const cut = account[ACCOUNT.cut];
-  const reason = REASONS[account[ACCOUNT.reason]];
-  const parts = [reason ? `${reason[0]}: ${reason[1]}` : `Reason ${account[ACCOUNT.reason]}, which this page does not know.`];
-  if (cut > 0.005) parts.push(`The energy account takes off ${words.percent(cut)} of the force.`);
+  const number = account[ACCOUNT.reason];
+  const name = REASONS[number];
+  const parts = [name ? say('replay.reason', {name, text: say(`recorded.${name}`)}) : say('replay.reason.unknown', {number})];
+  if (cut > 0.005) parts.push(say('replay.cut', {share: words.percent(cut)}));
   return parts.join(' ');
 }
 
 function aboutText({about, duration}) {
   const {client, device, scene, version} = about;
-  const text = [client && device ? `${client}, ${device}` : '', scene ? `scene ${scene}` : '', version ? `feltwire ${version}` : ''];
+  const text = [client && device ? `${client}, ${device}` : '', scene ? say('replay.about.scene', {scene}) : '', version ? `feltwire ${version}` : ''];
   return [...text.filter(Boolean), words.duration(duration)].join(' · ');
 }
 

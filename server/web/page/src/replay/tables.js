@@ -1,5 +1,6 @@
 // The messages of one chunk as tables of numbers, a row for each tick or picture.
 
+import {say} from '../language.js';
 import {Cursor} from './bytes.js';
 import {Fields} from './protobuf.js';
 
@@ -95,7 +96,7 @@ export function readSegment(records, mcap, start) {
   while (cursor.left > 0) {
     const opcode = cursor.u8();
     const end = cursor.u64() + cursor.at;
-    if (end > records.length) throw new RangeError('a record of this chunk is longer than the chunk');
+    if (end > records.length) throw new RangeError(say('file.range.record'));
     if (opcode === CHANNEL) mcap.takeChannel(new Cursor(records.subarray(cursor.at, end)));
     if (opcode === MESSAGE) {
       const topic = mcap.channels.get(cursor.u16());
@@ -103,7 +104,7 @@ export function readSegment(records, mcap, start) {
       const low = cursor.u32();
       const time = ((cursor.u32() - startHigh) * 2 ** 32 + (low - startLow)) / 1e9;
       cursor.take(8);  // time of publication
-      if (cursor.at > end) throw new RangeError('a message ends within a field');
+      if (cursor.at > end) throw new RangeError(say('file.range.cut'));
       take(segment, topic, time, cursor.view, cursor.at, end, live);
     }
     cursor.at = end;
