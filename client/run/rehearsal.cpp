@@ -41,10 +41,6 @@ constexpr std::array kWalls = {250.0, 500.0, 1e3, 2e3, 3.5e3, 5e3, 10e3, 20e3, 4
 constexpr std::array kHands = {Hand{.mass = 0.02, .damping = 0.5, .stiffness = 50.0},
                                Hand{.mass = 0.1, .damping = 5.0, .stiffness = 300.0}};
 
-double press_force(const DeviceSpec& spec) {
-  return std::min(kMostForce, spec.continuous_force > 0.0 ? spec.continuous_force : spec.max_force);
-}
-
 /// Mean position and force of the handle, and its swing: the RMS distance from a fitted straight
 /// line. The line removes drift, which is no oscillation.
 class HandleAtRest {
@@ -66,16 +62,6 @@ class HandleAtRest {
   double count_ = 0.0, t_ = 0.0, y_ = 0.0, tt_ = 0.0, ty_ = 0.0, yy_ = 0.0, force_ = 0.0;
   double at_encoder_ = 0.0;
 };
-
-/// Returns the transmission of a simulated device with this specification.
-Plant::Transmission transmission_of(const DeviceSpec& spec) {
-  if (!(spec.transmission.stiffness > 0.0)) return {};
-  const double handle = kHandleShare * spec.apparent_mass;
-  const double reduced = handle * (1.0 - kHandleShare);
-  return {.stiffness = spec.transmission.stiffness,
-          .damping = 2.0 * kTransmissionDamping * std::sqrt(spec.transmission.stiffness * reduced),
-          .handle_mass = handle};
-}
 
 /// Returns the reply of a wall below y = 0. The wall is normal to y, because every device has a
 /// force along y.
@@ -100,7 +86,7 @@ SimulatedDevice pressed(const DeviceSpec& spec, double period, double wall, cons
   options.spec = spec;
   options.hand = hand;
   options.task.normal = Vec3::UnitY();
-  options.plant.transmission = transmission_of(spec);
+  options.plant.transmission = assumed_plant_transmission(spec);
   options.plant.encoder.side = spec.transmission.encoder_side;
   options.task.depth = press_force(spec) * (1.0 / hand.stiffness + 1.0 / wall +
                                             1.0 / options.plant.transmission.stiffness);
@@ -144,16 +130,44 @@ std::optional<FirstPress> press(const DeviceSpec& spec, const SessionParameters&
                     .swing = handle.swing()};
 }
 
-std::optional<FirstPress> worst(const DeviceSpec& spec, const SessionParameters& parameters,
-                                const ServoOptions& options, double wall,
-                                const std::function<bool()>& goes_on) {
-  FirstPress found{.wall = wall, .share = 1.0, .share_at_encoder = 1.0};
+/// A device and a servo as a rehearsal needs them.
+struct Prepared {
+  DeviceSpec spec;
+  ServoOptions options;
+};
+
+/// Empty where the law is not known here.
+std::optional<Prepared> prepared(const DeviceSpec& told, const SessionParameters& parameters,
+                                 const ServoOptions& told_options) {
+  const bool known = parameters.side == BoundingSide::client && parameters.local_model;
+  if (!known || told_options.leads || told_options.observes) return std::nullopt;
+  Prepared all{told, told_options};
+  if (!(all.spec.apparent_mass > 0.0)) all.spec.apparent_mass = kAssumedMass;
+  all.options.owed = 0.0;
+  return all;
+}
+
+/// Presses with each hand. Returns nothing if `goes_on` stopped it.
+std::vector<FirstPress> presses(const Prepared& all, const SessionParameters& parameters,
+                                double wall, const std::function<bool()>& goes_on) {
+  std::vector<FirstPress> felt;
   for (const Hand& hand : kHands) {
-    const std::optional<FirstPress> felt = press(spec, parameters, options, wall, hand, goes_on);
-    if (!felt) return std::nullopt;
-    found.share = std::min(found.share, felt->share);
-    found.share_at_encoder = std::min(found.share_at_encoder, felt->share_at_encoder);
-    found.swing = std::max(found.swing, felt->swing);
+    const auto one = press(all.spec, parameters, all.options, wall, hand, goes_on);
+    if (!one) return {};
+    felt.push_back(*one);
+  }
+  return felt;
+}
+
+std::optional<FirstPress> worst(const Prepared& all, const SessionParameters& parameters,
+                                double wall, const std::function<bool()>& goes_on) {
+  const std::vector<FirstPress> felt = presses(all, parameters, wall, goes_on);
+  if (felt.empty()) return std::nullopt;
+  FirstPress found = felt.front();
+  for (const FirstPress& one : felt) {
+    found.share = std::min(found.share, one.share);
+    found.share_at_encoder = std::min(found.share_at_encoder, one.share_at_encoder);
+    found.swing = std::max(found.swing, one.swing);
   }
   return found;
 }
@@ -182,26 +196,43 @@ class Pieces {
 
 bool FirstPress::calm() const noexcept { return swing < kCalm; }
 
+double press_force(const DeviceSpec& spec) {
+  return std::min(kMostForce, spec.continuous_force > 0.0 ? spec.continuous_force : spec.max_force);
+}
+
+Plant::Transmission assumed_plant_transmission(const DeviceSpec& spec) {
+  if (!(spec.transmission.stiffness > 0.0)) return {};
+  const double handle = kHandleShare * spec.apparent_mass;
+  const double reduced = handle * (1.0 - kHandleShare);
+  return {.stiffness = spec.transmission.stiffness,
+          .damping = 2.0 * kTransmissionDamping * std::sqrt(spec.transmission.stiffness * reduced),
+          .handle_mass = handle};
+}
+
+std::vector<FirstPress> first_presses(const DeviceSpec& spec, const SessionParameters& parameters,
+                                      const ServoOptions& options, double stiffness,
+                                      const std::function<bool()>& goes_on) {
+  const std::optional<Prepared> all = prepared(spec, parameters, options);
+  return all ? presses(*all, parameters, stiffness, goes_on) : std::vector<FirstPress>{};
+}
+
 std::optional<Rehearsal> rehearse(const DeviceSpec& told, const SessionParameters& parameters,
                                   const ServoOptions& told_options, double scene_stiffness,
                                   const std::function<bool()>& goes_on) {
-  const bool known = parameters.side == BoundingSide::client && parameters.local_model;
-  if (!known || told_options.leads || told_options.observes) return std::nullopt;
-  DeviceSpec spec = told;
-  if (!(spec.apparent_mass > 0.0)) spec.apparent_mass = kAssumedMass;
-  ServoOptions options = told_options;
-  options.owed = 0.0;
+  const std::optional<Prepared> all = prepared(told, parameters, told_options);
+  if (!all) return std::nullopt;
+  const DeviceSpec& spec = all->spec;
   Rehearsal found;
   found.force = press_force(spec);
   found.transmission = spec.transmission.stiffness;
   found.mass_known = spec.least_mass > 0.0;
   const double usual = scene_stiffness > 0.0 ? scene_stiffness : kUsualWall;
-  const std::optional<FirstPress> scene = worst(spec, parameters, options, usual, goes_on);
+  const std::optional<FirstPress> scene = worst(*all, parameters, usual, goes_on);
   if (!scene) return std::nullopt;
   found.scene = *scene;
   bool all_whole = true;
   for (const double wall : kWalls) {
-    const std::optional<FirstPress> felt = worst(spec, parameters, options, wall, goes_on);
+    const std::optional<FirstPress> felt = worst(*all, parameters, wall, goes_on);
     if (!felt) return std::nullopt;
     found.swings = !felt->calm();
     if (found.swings) break;

@@ -5,7 +5,9 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
+#include "client/hands/plant.hpp"
 #include "client/servo/servo.hpp"
 
 namespace feltwire {
@@ -46,6 +48,17 @@ struct Rehearsal {
 std::optional<Rehearsal> rehearse(const DeviceSpec& spec, const SessionParameters& parameters,
                                   const ServoOptions& options, double scene_stiffness,
                                   const std::function<bool()>& goes_on = {});
+
+/// Both hands, each with its own press on one wall of `stiffness` [N/m], in the order of the
+/// comment on FirstPress. Empty and throws as rehearse().
+std::vector<FirstPress> first_presses(const DeviceSpec& spec, const SessionParameters& parameters,
+                                      const ServoOptions& options, double stiffness,
+                                      const std::function<bool()>& goes_on = {});
+/// [N] of a press on that device: 3 N, or what it can hold for long.
+double press_force(const DeviceSpec& spec);
+/// The transmission of a simulated device with this specification. A third of its mass is behind
+/// it, and its damping is a twentieth of the critical one: both are assumptions.
+Plant::Transmission assumed_plant_transmission(const DeviceSpec& spec);
 
 /// Returns the line for the start of a run.
 std::string rehearsal_text(const Rehearsal& rehearsal);
