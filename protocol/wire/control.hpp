@@ -15,6 +15,8 @@
 #include "core/teleoperation/workspace.hpp"
 #include "protocol/crypto/secret.hpp"
 #include "protocol/crypto/session_keys.hpp"
+#include "protocol/crypto/tls.hpp"
+#include "protocol/fleet/epoch.hpp"
 #include "protocol/session/client_change.hpp"
 #include "protocol/session/material_change.hpp"
 #include "protocol/session/protocol_versions.hpp"
@@ -39,6 +41,8 @@ inline constexpr std::size_t kMaxSurfaces = 200;        // of one SurfaceList
 inline constexpr std::size_t kMaxPart = 1200;      // vertices, and triangles, of one SurfacePart
 inline constexpr std::size_t kMaxShapes = 100;     // of one ShapeDescriptions
 inline constexpr std::size_t kMaxLengths = 8;      // of one shape
+inline constexpr std::size_t kMaxTicket = 2048;    // [bytes]
+inline constexpr std::size_t kMaxFleetHosts = 4;   // of one JoinAccepted
 inline constexpr double kShortestSilence = 0.1;    // [s] of a silence timeout
 inline constexpr double kLongestSilence = 3600.0;  // [s] of a silence timeout
 
@@ -53,10 +57,21 @@ struct JoinRequest {
   std::string version =
       {};                // of the client (core/build_info), for the server's log; empty: not said
   bool figures = false;  // for an observer: views have the figures of hands (scene_view.hpp)
-  ChangesTaken takes = {};   // changes that an admin may make at the client while it runs
-  Workspace workspace = {};  // for a follower: its own; at most Workspace::kMostGiven walls
-  double lead_share = 0.0;   // for a hand (lead_share.hpp); the server sets it from the token
-  std::string seat = {};     // for a follower: the name of its seat; empty: the only one
+  ChangesTaken takes = {};         // changes that an admin may make at the client while it runs
+  Workspace workspace = {};        // for a follower: its own; at most Workspace::kMostGiven walls
+  double lead_share = 0.0;         // for a hand (lead_share.hpp); the server sets it from the token
+  std::string seat = {};           // for a follower: the name of its seat; empty: the only one
+  bool follows_redirects = false;  // the client knows Redirected
+  Epoch epoch = {};                // the highest of the scene that the client has seen
+  std::string ticket = {};         // of the Redirected that sent the client here; empty: none did
+};
+/// A host of a fleet, for a client.
+struct FleetHost {
+  std::string address;  // an IP address
+  std::uint16_t port = 0;
+  Fingerprint fingerprint{};  // of its certificate
+
+  friend bool operator==(const FleetHost&, const FleetHost&) = default;
 };
 struct JoinAccepted {
   std::uint64_t session = 0;
@@ -75,6 +90,14 @@ struct JoinAccepted {
   bool lists_surfaces = false;          // the server knows ListSurfaces
   // The secrets of the datagrams as they came, wiped at the end. take_keys() checks their length.
   Secret secret_up = {}, secret_down = {};
+  Epoch epoch = {};                   // of the scene; term 0: the server is in no fleet
+  std::vector<FleetHost> hosts = {};  // to ask if this one is silent, at most kMaxFleetHosts
+};
+/// The scene is served by another host.
+struct Redirected {
+  FleetHost host;
+  std::string ticket;  // for the JoinRequest there
+  Epoch epoch;         // of the scene there
 };
 struct LeaveRequest {
   std::uint64_t session = 0;
@@ -113,7 +136,8 @@ enum class RefusalCode : std::uint8_t {
   not_supported,
   bad_scene,
   unknown_tool,
-  failed  // the server failed (no memory, for example); nothing was changed
+  failed,     // the server failed (no memory, for example); nothing was changed
+  bad_ticket  // it is used, expired, or not for this scene, client, host or epoch
 };
 struct Refused {
   RefusalCode code = RefusalCode::malformed;
@@ -341,7 +365,7 @@ using Message =
                  SetLink, SetLead, WriteFlightRecord, FlightRecordWritten, DescribeScene,
                  SceneDescription, ListSurfaces, SurfaceList, GetSurface, SurfacePart, TakeSurfaces,
                  SurfacesTaken, ListSolids, SolidList, GetBodyPoints, BodyPoints, DescribeShapes,
-                 ShapeDescriptions, GetShape, ShapePart>;
+                 ShapeDescriptions, GetShape, ShapePart, Redirected>;
 
 const char* name(RefusalCode code);
 

@@ -7,6 +7,7 @@
 #include "protocol/wire/aligned_vector.hpp"
 #include "protocol/wire/control.hpp"
 #include "protocol/wire/control_values.hpp"
+#include "protocol/wire/fleet_codec.hpp"
 #include "protocol/wire/parameters_codec.hpp"
 #include "protocol/wire/shape_codec.hpp"
 #include "protocol/wire/solid_codec.hpp"
@@ -26,7 +27,10 @@ bool read(const wire::JoinRequest& from, JoinRequest& to) {
   to.aes_256_gcm = from.aes_256_gcm();
   to.takes.link = from.link_taken();
   to.lead_share = from.lead_share();
-  return control::read(from.workspace(), to.workspace) && read_name(from.tool(), to.tool) &&
+  to.follows_redirects = from.follows_redirects();
+  to.epoch = {from.term(), from.holder()};
+  return read_name(from.ticket(), to.ticket, kMaxTicket) &&
+         control::read(from.workspace(), to.workspace) && read_name(from.tool(), to.tool) &&
          read_name(from.seat(), to.seat) && read_name(from.version(), to.version) &&
          read_name(from.client(), to.client) && read_name(from.scene(), to.scene) &&
          control::read(*from.device(), to.device) &&
@@ -53,12 +57,14 @@ bool read(const wire::JoinAccepted& from, JoinAccepted& to) {
     for (const auto* seat : *seats)
       if (!read_name(seat, to.seats.emplace_back())) return false;
   }
+  to.epoch = {from.term(), from.holder()};
   to.secret_up = secret(from.secret_up());
   to.secret_down = secret(from.secret_down());
   // Cipher suites are numbered from 1.
-  return control::read(from.workspace(), to.workspace) && from.suite() >= wire::CipherSuite::MIN &&
-         from.suite() <= wire::CipherSuite::MAX && read_name(from.tool(), to.tool) &&
-         read_name(from.version(), to.version) && control::read(*from.parameters(), to.parameters);
+  return control::read(from.hosts(), to.hosts) && control::read(from.workspace(), to.workspace) &&
+         from.suite() >= wire::CipherSuite::MIN && from.suite() <= wire::CipherSuite::MAX &&
+         read_name(from.tool(), to.tool) && read_name(from.version(), to.version) &&
+         control::read(*from.parameters(), to.parameters);
 }
 bool read(const wire::LeaveRequest& from, LeaveRequest& to) {
   to.session = from.session();
@@ -379,6 +385,8 @@ std::optional<Message> decode(Bytes body) {
       return message<DescribeScene>(*root->body_as_DescribeScene());
     case wire::Body::SceneDescription:
       return message<SceneDescription>(*root->body_as_SceneDescription());
+    case wire::Body::Redirected:
+      return message<Redirected>(*root->body_as_Redirected());
     case wire::Body::NONE:
       break;
   }

@@ -11,6 +11,7 @@
 #include "flatbuffers/flatbuffers.h"
 #include "protocol/wire/control.hpp"
 #include "protocol/wire/control_values.hpp"
+#include "protocol/wire/fleet_codec.hpp"
 #include "protocol/wire/parameters_codec.hpp"
 #include "protocol/wire/shape_codec.hpp"
 #include "protocol/wire/solid_codec.hpp"
@@ -65,11 +66,11 @@ struct BodyBuilder {
     const auto client = builder.CreateString(m.client), scene = builder.CreateString(m.scene);
     const auto tool = name_if_any(builder, m.tool), version = name_if_any(builder, m.version);
     const auto workspace = build(builder, m.workspace);
-    const auto seat = name_if_any(builder, m.seat);
-    return wire::CreateJoinRequest(builder, client, scene, device, parameters,
-                                   wire_enum<wire::Role>(m.role), m.aes_256_gcm, tool, version,
-                                   m.figures, wire_enum<wire::LawsTaken>(m.takes.laws),
-                                   m.takes.link, workspace, m.lead_share, seat);
+    const auto seat = name_if_any(builder, m.seat), ticket = name_if_any(builder, m.ticket);
+    return wire::CreateJoinRequest(
+        builder, client, scene, device, parameters, wire_enum<wire::Role>(m.role), m.aes_256_gcm,
+        tool, version, m.figures, wire_enum<wire::LawsTaken>(m.takes.laws), m.takes.link, workspace,
+        m.lead_share, seat, m.follows_redirects, m.epoch.term, m.epoch.holder, ticket);
   }
   Offset<wire::JoinAccepted> operator()(const JoinAccepted& m) {
     const wire::Vector position = wire_vector(m.start_position),
@@ -79,11 +80,13 @@ struct BodyBuilder {
     const auto workspace = build(builder, m.workspace);
     const auto seats = m.seats.empty() ? 0 : builder.CreateVectorOfStrings(m.seats);
     const auto up = secret_if_any(m.secret_up), down = secret_if_any(m.secret_down);
-    return wire::CreateJoinAccepted(builder, m.session, m.port_offset, parameters,
-                                    m.silence_timeout, m.friction, m.rotation, &position, &normal,
-                                    m.stiffness, wire_enum<wire::CipherSuite>(m.suite), tool,
-                                    version, workspace, seats, m.lists_surfaces, up, down);
+    const auto hosts = build(builder, m.hosts);
+    return wire::CreateJoinAccepted(
+        builder, m.session, m.port_offset, parameters, m.silence_timeout, m.friction, m.rotation,
+        &position, &normal, m.stiffness, wire_enum<wire::CipherSuite>(m.suite), tool, version,
+        workspace, seats, m.lists_surfaces, up, down, m.epoch.term, m.epoch.holder, hosts);
   }
+  Offset<wire::Redirected> operator()(const Redirected& m) { return build(builder, m); }
   Offset<flatbuffers::Vector<std::uint8_t>> secret_if_any(const Secret& secret) {
     if (secret.empty()) return 0;
     const std::string_view bytes = secret.text();

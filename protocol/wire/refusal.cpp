@@ -7,10 +7,10 @@
 namespace feltwire::control {
 
 const char* name(RefusalCode code) {
-  static constexpr std::array<const char*, 14> names = {
+  static constexpr std::array<const char*, 15> names = {
       "malformed",     "unknown_scene", "unknown_session", "bad_device", "bad_parameters",
       "full",          "shutting_down", "unauthenticated", "forbidden",  "too_many",
-      "not_supported", "bad_scene",     "unknown_tool",    "failed"};
+      "not_supported", "bad_scene",     "unknown_tool",    "failed",     "bad_ticket"};
   return enum_name(names, code);
 }
 

@@ -238,9 +238,9 @@ def leaves(subject):
     return f"goodbye, leaving, more than once, after the force fell to {held:.3f} N of 2 N"
 
 
-@check("C-310", "Four may heal by themselves, so that a client that lost its session asks again: full, shutting_down, too_many and failed.")
+@check("C-310", "Five may heal by themselves, so that a client that lost its session asks again: full, shutting_down, too_many, failed and bad_ticket.")
 def heals(subject):
-    codes = ["full", "too_many", "failed", "shutting_down"]
+    codes = ["full", "too_many", "failed", "bad_ticket", "shutting_down"]
     left = [None, *codes]
 
     def grant(joined):
@@ -249,7 +249,7 @@ def heals(subject):
             raise Refusal(code, "for now")
         return joined
     with stage(subject, grant=grant, answer=lambda session, table: [], silence=0.4, duration=300, reconnect=300) as scene:
-        scene.until(lambda: len({one[0].number for one in scene.datagrams()}) >= 2, "it joins again behind four refusals")
+        scene.until(lambda: len({one[0].number for one in scene.datagrams()}) >= 2, "it joins again behind five refusals")
         asked = len(scene.requests("JoinRequest"))
     return f"after {', '.join(codes)} it asked again; joined with request {asked}"
 

@@ -173,7 +173,7 @@ def other_scene(server, control):
     return "a token of one scene joins there only, and lists no other"
 
 
-@check("S-424", "Four may heal by themselves, so that a client that lost its session asks again: full, shutting_down, too_many and failed.", "limits")
+@check("S-424", "Five may heal by themselves, so that a client that lost its session asks again: full, shutting_down, too_many, failed and bad_ticket.", "limits")
 def full(server):
     hands = []
     try:

@@ -19,7 +19,7 @@ from grants import same, wrong_grant  # noqa: E402
 from model_session import finite  # noqa: E402
 from schema import DATAGRAM  # noqa: E402
 
-HEALING = ("full", "shutting_down", "too_many", "failed")
+HEALING = ("full", "shutting_down", "too_many", "failed", "bad_ticket")
 MOST_FORCE = 8.0  # [N] of the device
 WINDOW = 1024
 POSITIONS = 1000.0  # [m]

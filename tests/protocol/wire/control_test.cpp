@@ -263,12 +263,40 @@ TEST(Control, OtherMessagesRoundTrip) {
   EXPECT_EQ(round_trip(GetCounters{}).scene, "");
   EXPECT_EQ(round_trip(GetCounters{"a"}).scene, "a");
   EXPECT_EQ(round_trip(Counters{{{"a", 1}, {"b", 2}}}).counters[1].value, 2u);
-  for (int code = 0; code <= static_cast<int>(RefusalCode::failed); ++code) {
+  for (int code = 0; code <= static_cast<int>(RefusalCode::bad_ticket); ++code) {
     const Refused refused = round_trip(Refused{static_cast<RefusalCode>(code), "because"});
     EXPECT_EQ(static_cast<int>(refused.code), code);
     EXPECT_EQ(refused.reason, "because");
     EXPECT_STRNE(name(refused.code), "unknown");
   }
+}
+
+TEST(Control, HostsOfAFleetRoundTrip) {
+  FleetHost host{"2001:db8::7", 6720, {}};
+  host.fingerprint[31] = 9;
+  const Redirected redirected = round_trip(Redirected{host, "v4.public.x", {5, 6}});
+  EXPECT_EQ(redirected.host, host);
+  EXPECT_EQ(redirected.ticket, "v4.public.x");
+  EXPECT_EQ(redirected.epoch, (Epoch{5, 6}));
+
+  JoinAccepted accepted;
+  accepted.session = 1;
+  accepted.epoch = {7, 8};
+  accepted.hosts.assign(kMaxFleetHosts, host);
+  EXPECT_EQ(round_trip(accepted).epoch, (Epoch{7, 8}));
+  EXPECT_EQ(round_trip(accepted).hosts, accepted.hosts);
+  accepted.hosts.push_back(host);
+  EXPECT_EQ(decode(Bytes(encode(accepted)).subspan(kFrameLengthSize)), std::nullopt);
+
+  JoinRequest asked{"c", "s", builtin_device("simulated"), {}};
+  asked.follows_redirects = true;
+  asked.epoch = {9, 10};
+  asked.ticket.assign(kMaxTicket, 't');
+  EXPECT_TRUE(round_trip(asked).follows_redirects);
+  EXPECT_EQ(round_trip(asked).epoch, (Epoch{9, 10}));
+  EXPECT_EQ(round_trip(asked).ticket, asked.ticket);
+  asked.ticket += 't';
+  EXPECT_EQ(decode(Bytes(encode(asked)).subspan(kFrameLengthSize)), std::nullopt);
 }
 
 /// A reason may quote a complete file. The frame must be valid for any length of the reason.
