@@ -19,9 +19,10 @@
 namespace feltwire {
 namespace {
 
-constexpr int kFirstWait = 250, kLongestWait = 4000;  // [ms] between attempts to join again
-constexpr int kBetweenAsks = 250;                     // [ms] between two requests for names
-constexpr int kLongestLook = 16;                      // [ms] between two looks for views
+/// Of the limits of the waits between attempts to join again.
+constexpr std::chrono::milliseconds kFirstWait{250}, kLongestWait{4000};
+constexpr int kBetweenAsks = 250;  // [ms] between two requests for names
+constexpr int kLongestLook = 16;   // [ms] between two looks for views
 constexpr double kNotTold = std::numeric_limits<double>::quiet_NaN();
 
 fw_seen_hand to_c(const SeenHand& seen, double time) {
@@ -64,11 +65,11 @@ fw_seen_body to_c(const SeenBody& seen, double time) {
 }  // namespace
 
 OpenObserver::OpenObserver(ServerAccess server, ObserverRequest request, double patience)
-    : server_(std::move(server)),
+    : route_(std::move(server)),
       request_(std::move(request)),
       patience_(patience),
       opened_(monotonic_now().count()),
-      session_(std::make_unique<ObserverSession>(server_, request_)),
+      session_(std::make_unique<ObserverSession>(route_, request_)),
       thread_([this] { run(); }) {}
 
 OpenObserver::~OpenObserver() { end(); }
@@ -161,12 +162,12 @@ std::string OpenObserver::observe(ObserverSession& session) {
 /// patience is over, the server refuses for good, or the observer is closed.
 std::unique_ptr<ObserverSession> OpenObserver::find_again(std::string& why) {
   const std::int64_t until = monotonic_now().count() + from_seconds(patience_).count();
-  for (int wait = kFirstWait; monotonic_now().count() < until;
-       wait = std::min(2 * wait, kLongestWait)) {
-    wait_for(stop_, wait);
+  Backoff backoff(kFirstWait, kLongestWait, random_seed());
+  while (monotonic_now().count() < until) {
+    wait_for(stop_, static_cast<int>(backoff.next().count()));
     if (stop_.is_set()) return nullptr;
     try {
-      return std::make_unique<ObserverSession>(server_, request_);
+      return std::make_unique<ObserverSession>(route_, request_);
     } catch (const LastingError& error) {
       why = error.what();
       return nullptr;
@@ -230,7 +231,7 @@ void OpenObserver::ask_names(const Event& over) {
 /// Returns whether the server has answered, or will never.
 bool OpenObserver::ask_once() {
   try {
-    ControlDialogue server(server_, request_.timeout);
+    ControlDialogue server(route_.host(), request_.timeout);
     ListRoom room(kRoomOfServer);
     std::map<std::uint32_t, std::string> names;
     for (auto& session : described_sessions(server, request_.scene, room))

@@ -17,7 +17,8 @@
 #include "client/observer/observer_session.hpp"
 #include "client/run/observed_scene.hpp"
 #include "client/servo/event.hpp"
-#include "client/transport/control_client.hpp"
+#include "client/transport/backoff.hpp"
+#include "client/transport/fleet_route.hpp"
 #include "core/base/latest_list.hpp"
 #include "core/base/latest_value.hpp"
 
@@ -81,7 +82,7 @@ class OpenObserver {
   void ask_names(const Event& over);
   bool ask_once();
 
-  const ServerAccess server_;
+  FleetRoute route_;  // of the thread; another thread asks the host only while a session lasts
   const ObserverRequest request_;
   const double patience_;  // [s]
   std::int64_t opened_;    // [ns] monotonic

@@ -7,6 +7,8 @@
 #include <thread>
 
 #include "client/followers/robot_datagrams.hpp"
+#include "client/transport/backoff.hpp"
+#include "client/transport/fleet_route.hpp"
 #include "core/device/device_spec.hpp"
 #include "protocol/net/clock.hpp"
 #include "protocol/net/poll_until.hpp"
@@ -15,7 +17,8 @@ namespace feltwire {
 namespace {
 
 constexpr std::chrono::milliseconds kJoinTime{3000};
-constexpr Nanoseconds kBetweenJoins = std::chrono::seconds(1);
+/// Of the waits between attempts to join again.
+constexpr std::chrono::milliseconds kFirstWait{250}, kLongestWait{4000};
 // [s] Time to brake the robot. It is enough for any real speed and acceleration.
 constexpr double kBrakes = 0.25;
 constexpr int kGoodbyes = 3;
@@ -40,6 +43,7 @@ class FollowerLoop {
         run_(run),
         stop_(stop),
         servo_(robot.spec(), run.options),
+        route_(run.server),
         period_(from_seconds(robot.spec().servo_period)) {}
 
   FollowerResult run() {
@@ -58,7 +62,7 @@ class FollowerLoop {
 
  private:
   void join() {
-    const Joined joined = feltwire::join(run_.server, request_of(run_, robot_.spec()), kJoinTime);
+    const Joined joined = route_.join(request_of(run_, robot_.spec()), kJoinTime);
     silence_ = from_seconds(joined.accepted.silence_timeout);
     auto port = run_.open_port ? run_.open_port(joined.datagrams) : open_udp_port(joined.datagrams);
     datagrams_.emplace(joined.accepted.session, joined.keys);
@@ -160,6 +164,7 @@ class FollowerLoop {
   bool find_again() {
     Nanoseconds now = monotonic_now();
     const Nanoseconds until = now + from_seconds(run_.patience);
+    Backoff backoff(kFirstWait, kLongestWait, random_seed());
     for (; !stop_.load() && !ended(now) && now < until; now = monotonic_now()) {
       try {
         join();
@@ -168,7 +173,7 @@ class FollowerLoop {
         result_.refusal = error.what();
         return false;
       } catch (const SessionError&) {
-        tick_on(seconds(kBetweenJoins));
+        tick_on(seconds(backoff.next()));
       }
     }
     return false;
@@ -182,6 +187,7 @@ class FollowerLoop {
   const FollowerRun& run_;
   const std::atomic<bool>& stop_;
   FollowerServo servo_;
+  FleetRoute route_;
   Nanoseconds period_, silence_{0}, begun_{0}, next_{0}, heard_{0}, usable_at_{0};
   std::optional<RobotDatagrams> datagrams_;
   std::unique_ptr<DatagramPort> port_;

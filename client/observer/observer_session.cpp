@@ -57,14 +57,14 @@ struct ObserverSession::Task : ServoTask {
   Ring<TimedView> views{kRoom};
 };
 
-ObserverSession::ObserverSession(const ServerAccess& server, const ObserverRequest& request) {
+ObserverSession::ObserverSession(FleetRoute& route, const ObserverRequest& request) {
   auto eye = std::make_unique<ObserverDevice>(request.name);
   control::JoinRequest wanted{request.name, request.scene, eye->spec(),
                               observer_parameters(request.period), Role::observer};
   wanted.version = version();
   wanted.figures = true;
   // An observer has no force feedback, so the server may choose the hold time.
-  const Joined joined = join(server, wanted, request.timeout, {.hold_time = kLongestGrantedHold});
+  const Joined joined = route.join(wanted, request.timeout, {.hold_time = kLongestGrantedHold});
   const SessionParameters& parameters = joined.accepted.parameters;
   const auto transport = std::make_shared<Transport>(
       SessionAddress{joined.datagrams, joined.accepted.session, joined.keys}, parameters,

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "client/servo/servo_thread.hpp"
-#include "client/transport/control_client.hpp"
+#include "client/transport/fleet_route.hpp"
 
 namespace feltwire {
 
@@ -23,8 +23,9 @@ struct ObserverRequest {
 /// no force and asks for no real time.
 class ObserverSession {
  public:
-  /// Joins the scene and starts the thread. Blocks, and throws as join() does.
-  ObserverSession(const ServerAccess& server, const ObserverRequest& request);
+  /// Joins the scene and starts the thread. Blocks, and throws as join() does. `route` learns from
+  /// the join; an observer that joins again uses the same.
+  ObserverSession(FleetRoute& route, const ObserverRequest& request);
   /// Leaves the scene.
   ~ObserverSession();
   ObserverSession(const ObserverSession&) = delete;

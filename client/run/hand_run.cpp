@@ -179,7 +179,7 @@ std::optional<RecordingTarget> recording_target(const RunOptions& options) {
 
 HandRun::HandRun(std::unique_ptr<Device> device, const RunOptions& options, RunOutlet& outlet,
                  bool takes_sigusr1)
-    : options_(options), outlet_(outlet), takes_sigusr1_(takes_sigusr1) {
+    : options_(options), outlet_(outlet), takes_sigusr1_(takes_sigusr1), route_(options.server) {
   control::JoinRequest wanted{options.name, options.scene, device->spec(), options.parameters,
                               options.role};
   if (const Nanoseconds tick = device->longest_tick(); tick.count() > 0)
@@ -191,7 +191,7 @@ HandRun::HandRun(std::unique_ptr<Device> device, const RunOptions& options, RunO
   const GrantLimits limits{.hold_time =
                                feels(options.role) ? options.hold.longest : kLongestGrantedHold};
   Joined joined = options.hooks.join ? options.hooks.join(wanted)
-                                     : join(options.server, wanted, kControlTimeout, limits);
+                                     : route_.join(wanted, kControlTimeout, limits);
   accepted_ = joined.accepted;
   datagrams_ = joined.datagrams;
   const auto transport = std::make_shared<Transport>(
@@ -224,8 +224,8 @@ void HandRun::begin(std::unique_ptr<Device> device, control::JoinRequest& wanted
   wanted.parameters = accepted_.parameters;
   RejoinOptions rejoin;
   if (options_.servo.leads) rejoin.seats = accepted_.seats;
-  reconnector_.emplace(options_.server, wanted, task_->sessions, rejoin);
-  fetch_.emplace(options_.server, task_->fetched,
+  reconnector_.emplace(route_, wanted, task_->sessions, rejoin);
+  fetch_.emplace(route_.host(), task_->fetched,
                  SceneFetchOptions{.servo_period = accepted_.parameters.servo_period});
   crash_release_.emplace(task_->guard, takes_sigusr1_);
   if (options_.rehearses)

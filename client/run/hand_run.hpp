@@ -80,6 +80,7 @@ class HandRun {
   bool takes_sigusr1_;
   control::JoinAccepted accepted_;
   Address datagrams_;
+  FleetRoute route_;
   std::string device_name_;  // among the devices of this process
   double owed_ = 0.0;        // [J] debt of that device at the start
   std::shared_ptr<RunTask> task_;

@@ -18,13 +18,24 @@ bool SessionSupervisor::look() noexcept {
   if (fresh) connected_ = status.connected;
   if (running) parts_.reconnector.look(connected_, Reconnector::Clock::now());
   if (fresh) parts_.fetch.in_use(status.scene.fetched);
-  if (session_ != 0 && parts_.reconnector.session() != 0) session_ = parts_.reconnector.session();
+  follow_session();
   if (running && fresh && connected_)
     parts_.fetch.look({session_, status.scene.reloads}, SceneFetch::Clock::now());
   tell_of_fetch();
   if (lost) write_flight_record("the session was lost");
   if (!parts_.reconnector.refusal().empty()) parts_.thread.stop();
   return running;
+}
+
+/// Has the scene fetched for the newest session, from its host.
+void SessionSupervisor::follow_session() noexcept {
+  const std::uint64_t newest = parts_.reconnector.session();
+  if (session_ == 0 || newest == 0 || newest == session_) return;
+  try {
+    parts_.fetch.put_server(parts_.reconnector.host());
+    session_ = newest;
+  } catch (const std::exception&) {  // no memory: the next call tries again
+  }
 }
 
 void SessionSupervisor::write_flight_record(const char* cause) noexcept {

@@ -44,6 +44,7 @@ class SessionSupervisor {
  private:
   void show(const LiveStatus& status) noexcept;
   void tell_of_changes() noexcept;
+  void follow_session() noexcept;
   void tell_of_fetch() noexcept;
 
   Parts parts_;

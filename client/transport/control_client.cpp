@@ -12,6 +12,8 @@
 #include <variant>
 
 #include "client/transport/control_dialogue.hpp"
+#include "client/transport/fleet_route.hpp"
+#include "client/transport/redirect_scope.hpp"
 #include "protocol/net/ports.hpp"
 #include "protocol/session/grant.hpp"
 #include "protocol/wire/session_secrets.hpp"
@@ -62,6 +64,32 @@ Address address_of(const asio::ip::udp::endpoint& endpoint) {
   return address;
 }
 
+/// The access to a host that a server has named. The client knows the host by the fingerprint that
+/// came over TLS from the server, which it trusts already; authorities say nothing about a host.
+ServerAccess named_host(const ServerAccess& by, const control::FleetHost& host) {
+  ServerAccess named{{host.address, host.port}, by.credentials};
+  named.credentials.trust = host.fingerprint;
+  return named;
+}
+
+Redirection followed(const ControlDialogue& dialogue, const ServerAccess& server,
+                     control::Redirected&& said, const Epoch& seen) {
+  if (const auto wrong = forbidden_host(dialogue.stream().peer(), said.host))
+    dialogue.refuse("sends this client to " + *wrong);
+  if (said.epoch < seen)
+    throw SessionError(to_string(server.endpoint) +
+                       " knows an earlier owner of the scene than this client; try again");
+  return {named_host(server, said.host), std::move(said.ticket), said.epoch};
+}
+
+/// Ends a session that the client does not take.
+void leave(ControlDialogue& dialogue, std::uint64_t session) {
+  try {
+    dialogue.ask(control::LeaveRequest{session});
+  } catch (const SessionError&) {  // the server's silence timeout ends it
+  }
+}
+
 }  // namespace
 
 Endpoint parse_endpoint(std::string_view text) {
@@ -94,10 +122,19 @@ std::string to_string(const Endpoint& endpoint) {
 
 Joined join(const ServerAccess& server, const control::JoinRequest& request,
             std::chrono::milliseconds timeout, const GrantLimits& limits) {
+  return FleetRoute(server).join(request, timeout, limits);
+}
+
+std::variant<Joined, Redirection> ask_to_join(const ServerAccess& server,
+                                              const control::JoinRequest& request,
+                                              std::chrono::milliseconds timeout,
+                                              const GrantLimits& limits) {
   control::JoinRequest wanted = request;
   wanted.aes_256_gcm = has_aes_256_gcm();
   ControlDialogue dialogue(server, timeout);
   control::Message answer = dialogue.ask(wanted);
+  if (auto* redirected = std::get_if<control::Redirected>(&answer))
+    return followed(dialogue, server, std::move(*redirected), wanted.epoch);
   auto* accepted = std::get_if<control::JoinAccepted>(&answer);
   if (accepted == nullptr || accepted->session == 0 || accepted->port_offset == 0)
     dialogue.bad_answer();
@@ -114,11 +151,20 @@ Joined join(const ServerAccess& server, const control::JoinRequest& request,
   if (const auto broken = broken_offer(*accepted, wanted, limits))
     throw LastingError(name + " granted " + *broken +
                        "; this client joins no such session: is it a server to be trusted?");
+  if (accepted->epoch < wanted.epoch) {
+    leave(dialogue, accepted->session);
+    throw SessionError(name +
+                       " has served the scene before another host did, and does not know it yet; "
+                       "try again, or start anew if the server has left its fleet");
+  }
   const auto peer = dialogue.stream().peer();
+  std::vector<ServerAccess> others;
+  for (const control::FleetHost& other : accepted->hosts)
+    if (!forbidden_host(peer, other)) others.push_back(named_host(server, other));
   const Address datagrams = address_of({peer, static_cast<std::uint16_t>(port)});
   try {
     const SessionKeys keys = take_keys(*accepted);
-    return {std::move(*accepted), datagrams, keys};
+    return Joined{std::move(*accepted), datagrams, keys, server, std::move(others)};
   } catch (const std::invalid_argument& error) {
     throw LastingError(name + " gave the session no good secrets: " + error.what());
   }

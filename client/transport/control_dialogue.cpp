@@ -15,7 +15,8 @@ namespace {
 bool lasting(control::RefusalCode code) {
   using control::RefusalCode;
   return code != RefusalCode::full && code != RefusalCode::too_many &&
-         code != RefusalCode::shutting_down && code != RefusalCode::failed;
+         code != RefusalCode::shutting_down && code != RefusalCode::failed &&
+         code != RefusalCode::bad_ticket;
 }
 
 }  // namespace

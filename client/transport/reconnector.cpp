@@ -7,11 +7,11 @@
 
 namespace feltwire {
 
-Reconnector::Attempt Reconnector::attempt(const ServerAccess& server,
-                                          const control::JoinRequest& request,
+Reconnector::Attempt Reconnector::attempt(FleetRoute& route, const control::JoinRequest& request,
                                           const RejoinOptions& options) {
   try {
-    const Joined joined = join(server, request, options.timeout);
+    const Joined joined = route.join(request, options.timeout);
+    const ServerAccess& server = joined.host;
     if (!options.seats.empty() && joined.accepted.seats != options.seats)
       return {std::nullopt, to_string(server.endpoint) +
                                 " now has other seats for robots than those of the session before; "
@@ -41,18 +41,19 @@ Reconnector::Attempt Reconnector::outcome() noexcept {
   }
 }
 
-Reconnector::Reconnector(ServerAccess server, control::JoinRequest request,
-                         Ring<SessionAddress>& out, const RejoinOptions& options)
-    : server_(std::move(server)),
+Reconnector::Reconnector(FleetRoute route, control::JoinRequest request, Ring<SessionAddress>& out,
+                         const RejoinOptions& options)
+    : route_(std::move(route)),
       request_(std::move(request)),
       out_(out),
       options_(options),
-      wait_(options.first_wait) {}
+      backoff_(options.first_wait, options.longest_wait, options.seed) {}
 
 void Reconnector::look(bool connected, Clock::time_point now) noexcept {
   if (attempt_.valid()) {
     if (!attempt_.is_ready()) return;
     Attempt done = outcome();
+    if (done.route) route_ = *std::move(done.route);
     if (std::exchange(outdated_, false)) done = {};
     // The old session continues if it answers again, so ignore the refusal in this case.
     if (!connected) refusal_ = std::move(done.refusal);
@@ -64,14 +65,16 @@ void Reconnector::look(bool connected, Clock::time_point now) noexcept {
       session_ = done.session->session;
     }
     handed_over_at_ = now;
-    put_off(now);
+    next_ = now + backoff_.next();
     return;
   }
   if (connected) {
     handed_over_ = false;
-    wait_ = options_.first_wait;
+    lost_ = false;
+    backoff_.reset();
     return;
   }
+  if (!std::exchange(lost_, true)) next_ = std::max(next_, now + backoff_.next());
   if (now < next_ || !refusal_.empty()) return;
   // The new session may not have answered yet, so wait before the next attempt.
   if (handed_over_ && now < handed_over_at_ + options_.longest_wait) return;
@@ -80,19 +83,17 @@ void Reconnector::look(bool connected, Clock::time_point now) noexcept {
     begin();
   } catch (const std::exception&) {  // missing memory or thread counts as a failed attempt
     attempt_ = {};
-    put_off(now);
+    next_ = now + backoff_.next();
   }
 }
 
-void Reconnector::put_off(Clock::time_point now) noexcept {
-  next_ = now + wait_;
-  wait_ = std::min(2 * wait_, options_.longest_wait);
-}
-
 void Reconnector::begin() {
-  attempt_ = BackgroundWork<Attempt>([server = server_, request = request_, options = options_] {
-    return attempt(server, request, options);
-  });
+  attempt_ =
+      BackgroundWork<Attempt>([route = route_, request = request_, options = options_]() mutable {
+        Attempt done = attempt(route, request, options);
+        done.route = std::move(route);
+        return done;
+      });
 }
 
 }  // namespace feltwire

@@ -7,21 +7,23 @@
 #include <vector>
 
 #include "client/transport/background_work.hpp"
+#include "client/transport/backoff.hpp"
 #include "client/transport/control_client.hpp"
+#include "client/transport/fleet_route.hpp"
 #include "client/transport/transport.hpp"
 #include "core/base/ring.hpp"
 #include "protocol/session/client_change.hpp"
 
 namespace feltwire {
 
-/// The waits between attempts double, from the first to the longest: RFC 8085 asks for care with a
-/// peer that does not answer.
+/// The waits before attempts are those of a Backoff.
 struct RejoinOptions {
   std::chrono::milliseconds first_wait{250}, longest_wait{4000};
   std::chrono::milliseconds timeout{1000};  // of each attempt
   /// The seats for robots that the new session must have, because the hand knows them by number;
   /// empty: it leads none.
   std::vector<std::string> seats{};
+  std::uint64_t seed = random_seed();  // of the waits
 };
 
 /// For one thread other than the servo's. Attempts run in a thread of their own, so that look()
@@ -33,7 +35,7 @@ class Reconnector {
 
   /// `request` must request the parameters in force, because the new session has to be the same.
   /// New sessions go to `out`.
-  Reconnector(ServerAccess server, control::JoinRequest request, Ring<SessionAddress>& out,
+  Reconnector(FleetRoute route, control::JoinRequest request, Ring<SessionAddress>& out,
               const RejoinOptions& options = {});
 
   /// Call it now and then. `connected`: whether the loop has a session.
@@ -54,11 +56,13 @@ class Reconnector {
   std::uint64_t session() const { return session_; }
   /// The number of sessions that went to `out`.
   std::uint32_t sessions() const { return sessions_; }
+  /// The host of the newest session.
+  const ServerAccess& host() const { return route_.host(); }
   /// Whether an attempt has begun whose outcome look() has not taken yet.
   bool asking() const { return attempt_.valid(); }
 
  private:
-  ServerAccess server_;
+  FleetRoute route_;
   control::JoinRequest request_;
   Ring<SessionAddress>& out_;
   RejoinOptions options_;
@@ -66,19 +70,20 @@ class Reconnector {
   struct Attempt {
     std::optional<SessionAddress> session;  // empty: the server is away or full; try again
     std::string refusal;                    // else: why another attempt is useless
+    std::optional<FleetRoute> route{};      // with what the attempt has learned
   };
-  static Attempt attempt(const ServerAccess& server, const control::JoinRequest& request,
+  static Attempt attempt(FleetRoute& route, const control::JoinRequest& request,
                          const RejoinOptions& options);
   void begin();
   Attempt outcome() noexcept;
-  void put_off(Clock::time_point now) noexcept;
 
   BackgroundWork<Attempt> attempt_;
   std::string refusal_;
   bool outdated_ = false;     // the attempt under way requests an outdated law
+  bool lost_ = false;         // the wait before the first attempt after a loss was drawn
   bool handed_over_ = false;  // the loop has not said yet that it took the new session
   Clock::time_point next_{}, handed_over_at_{};
-  std::chrono::milliseconds wait_;
+  Backoff backoff_;
   std::uint64_t attempts_ = 0;
   std::uint32_t sessions_ = 0;
   std::uint64_t session_ = 0;

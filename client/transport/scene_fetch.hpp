@@ -46,6 +46,8 @@ class SceneFetch {
 
   /// Call it now and then, with the present place of the loop; session 0: nothing is fetched.
   void look(const ScenePlace& place, Clock::time_point now) noexcept;
+  /// The session is at this server from now on.
+  void put_server(const ServerAccess& server) { server_ = server; }
   /// Tells which scene the servo uses; null: none. This frees all older ones.
   void in_use(const FetchedScene* fetched) noexcept;
 

@@ -202,14 +202,13 @@ void TlsStream::await(Start start, const std::string& what, const std::string& r
     io_.restart();
     io_.run();
     check_cancelled();
-    throw SessionError(what + server_ + " within " + std::to_string(timeout_.count()) + " ms" +
-                       remedy);
+    throw NoAnswer(what + server_ + " within " + std::to_string(timeout_.count()) + " ms" + remedy);
   }
   if (!result) return;
   // In TLS 1.3 the server checks the client's certificate after the client's part of the handshake.
   if (result.category() == asio::error::get_ssl_category())
     fail_for_own_certificate(server_, ERR_GET_REASON(static_cast<unsigned long>(result.value())));
-  throw SessionError(what + server_ + ": " + result.message() + remedy);
+  throw NoAnswer(what + server_ + ": " + result.message() + remedy);
 }
 
 }  // namespace feltwire

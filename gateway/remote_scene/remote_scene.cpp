@@ -28,7 +28,7 @@ constexpr int kBetweenAsks = 500;  // [ms] wait between two requests for data th
 }  // namespace
 
 RemoteScene::RemoteScene(Scene scene, const ServerAccess& server, const LookOptions& options)
-    : name_(scene.name()), server_(server), options_(options) {
+    : name_(scene.name()), route_(server), options_(options) {
   current_ = {std::make_shared<const Scene>(std::move(scene)), 1, 0, std::nullopt};
   hide("it is being joined");
 }
@@ -116,7 +116,7 @@ void RemoteScene::ask_on(const Event& over) {
   int wait = kBetweenAsks;
   while (!over.is_set()) {
     try {
-      if (!server) server.emplace(server_, options_.timeout);
+      if (!server) server.emplace(route_.host(), options_.timeout);
       ask_once(*server);
       wait = kBetweenAsks;
     } catch (const LastingError& error) {
@@ -177,7 +177,7 @@ void RemoteScene::adopt(const control::SceneDescription& told,
 /// Observes the scene until stop(). Retries after every failure, because a token may be renewed or
 /// a server repaired.
 void RemoteScene::run() {
-  auto wait = options_.first_wait;
+  Backoff backoff(options_.first_wait, options_.longest_wait, random_seed());
   std::string said;
   while (!stop_.is_set()) {
     joined_ = false;
@@ -188,19 +188,18 @@ void RemoteScene::run() {
       reason = error.what();
     }
     if (stop_.is_set()) return;
-    if (joined_) wait = options_.first_wait;
+    if (joined_) backoff.reset();
     hide(reason);
     if (std::exchange(said, reason) != reason || joined_)
       spdlog::warn("scene {}: {}; it is looked for again", visible(name_), visible(reason));
-    wait_for(stop_, static_cast<int>(wait.count()));
-    wait = std::min(2 * wait, options_.longest_wait);
+    wait_for(stop_, static_cast<int>(backoff.next().count()));
   }
 }
 
 /// Joins the scene, and shows the views until the session ends. Returns the reason for the end.
 /// Throws the exceptions of join().
 std::string RemoteScene::look_on() {
-  ObserverSession session(server_, {.name = kName, .scene = name_, .timeout = options_.timeout});
+  ObserverSession session(route_, {.name = kName, .scene = name_, .timeout = options_.timeout});
   joined_ = true;
   spdlog::info("scene {}: looks on", visible(name_));
   const QueryThread asking([this](const Event& over) { ask_on(over); });

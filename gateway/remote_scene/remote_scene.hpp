@@ -13,7 +13,8 @@
 #include <vector>
 
 #include "client/servo/servo_loop.hpp"
-#include "client/transport/control_client.hpp"
+#include "client/transport/backoff.hpp"
+#include "client/transport/fleet_route.hpp"
 #include "client/transport/listing.hpp"
 #include "gateway/remote_scene/near_surfaces.hpp"
 #include "protocol/wire/control.hpp"
@@ -66,7 +67,7 @@ class RemoteScene final : public SceneInView {
   void hide(std::string why);
 
   const std::string name_;
-  const ServerAccess server_;
+  FleetRoute route_;  // of the thread; another one asks the host only while a session lasts
   const LookOptions options_;
   mutable std::mutex mutex_;  // guards the next members
   CurrentScene current_;

@@ -47,8 +47,9 @@ std::string given_up(const ServerAccess& access) {
 
 TEST(Reconnector, WhatMayHealIsWaitedOutAndTheRestEndsIt) {
   const std::set<RefusalCode> heals = {RefusalCode::full, RefusalCode::shutting_down,
-                                       RefusalCode::too_many};
-  for (std::uint8_t i = 0; i <= static_cast<std::uint8_t>(RefusalCode::unknown_tool); ++i) {
+                                       RefusalCode::too_many, RefusalCode::failed,
+                                       RefusalCode::bad_ticket};
+  for (std::uint8_t i = 0; i <= static_cast<std::uint8_t>(RefusalCode::bad_ticket); ++i) {
     const auto code = static_cast<RefusalCode>(i);
     testing::ControlPeer peer(control::encode(control::Refused{code, "for this reason"}));
     const std::string said = given_up(peer.access());
@@ -102,6 +103,7 @@ TEST(Reconnector, AnAttemptUnderWayBringsNoSessionWithTheLawBefore) {
     Ring<SessionAddress> sessions(2);
     Reconnector reconnector(peer.access(), anyone(), sessions, {.timeout = 10s});
     Reconnector::Clock::time_point now{};
+    reconnector.look(false, now += 1h);  // draws the wait before the first attempt
     reconnector.look(false, now += 1h);
     ASSERT_TRUE(reconnector.asking());
     if (changes) {
