@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "client/hands/amplifier.hpp"
 #include "core/base/csv.hpp"
 #include "core/bounding/port_energy.hpp"
 #include "core/bounding/velocity.hpp"
@@ -127,20 +128,50 @@ void require_whole_normals(const CsvReader& reader) {
   }
 }
 
+/// The energy that a true motor gives behind its amplifier.
+class MotorEnergy {
+ public:
+  explicit MotorEnergy(const Plant::Amplifier& amplifier)
+      : force_(amplifier, 1), torque_(without_resolution(amplifier), 1) {}
+
+  /// The device moved evenly over `time` [s], and then `written` was written. Returns the energy so
+  /// far [J]. Ignores a movement that is not finite.
+  double moved(const BoundingStep& step, double time, const Command& written) {
+    const Vec3 force = force_.mean(now_, time), torque = torque_.mean(now_, time);
+    now_ += time;
+    const double given = force.dot(step.displacement) + torque.dot(step.rotation);
+    if (std::isfinite(given)) given_ += given;
+    force_.write(now_, written.force());
+    torque_.write(now_, written.torque);
+    return given_;
+  }
+
+ private:
+  static Plant::Amplifier without_resolution(Plant::Amplifier amplifier) {
+    amplifier.resolution = 0.0;  // the resolution applies to forces only
+    return amplifier;
+  }
+  Amplifier force_, torque_;
+  double now_ = 0.0, given_ = 0.0;  // [s], [J]
+};
+
 }  // namespace
 
 std::size_t filter_bound(std::istream& in, std::ostream& out, const BoundingConfig& config,
-                         const std::optional<AccountConfig>& account_config) {
+                         const std::optional<AccountConfig>& account_config,
+                         const std::optional<Plant::Amplifier>& amplifier) {
   Bounding bounding(config);
   std::optional<PortAccount> account;
   if (account_config) account.emplace(*account_config);
+  std::optional<MotorEnergy> motor;
+  if (amplifier) motor.emplace(*amplifier);
   std::vector<std::string> columns = {"dx", "dy", "dz", "ex", "ey", "ez", "fx", "fy", "fz"};
   if (config.rotation) columns.insert(columns.end(), {"ax", "ay", "az", "tx", "ty", "tz"});
   CsvReader reader(in, "stdin", columns, kRowColumns, CsvReader::NotFinite::accept);
   require_whole_normals(reader);
   PortEnergy port(config.damping, config.rotational_damping, config.period);
   out << (config.rotation ? "rx,ry,rz,rtx,rty,rtz,energy,active" : "rx,ry,rz,energy,active")
-      << (account ? ",balance\n" : "\n");
+      << (account ? ",balance" : "") << (motor ? ",motor\n" : "\n");
   std::array<double, kMostColumns> row{};
   std::array<double, kMostColumns + kOptional> numbers{};
   const std::span values = std::span(numbers).first(columns.size() + kOptional);
@@ -181,6 +212,7 @@ std::size_t filter_bound(std::istream& in, std::ostream& out, const BoundingConf
     append(line, port.delivered().total());
     line += active ? ",1" : ",0";
     if (account) append(line, account->balance());
+    if (motor) append(line, motor->moved(step, step.hold_time, held));
     emit(in, out, line);
   }
   out.flush();

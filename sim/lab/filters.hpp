@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "client/hands/plant.hpp"
 #include "core/bounding/account.hpp"
 #include "core/bounding/bounding.hpp"
 #include "core/scene/scene.hpp"
@@ -16,13 +17,16 @@ namespace feltwire {
 /// of f(n-1).dx(n)), active (0/1). If the configuration has rotation, also in: ax,ay,az [rad] the
 /// rotation vector since the last row, tx,ty,tz [N m]; out: rtx,rty,rtz [N m] rendered, and energy
 /// is that of all six degrees of freedom. With an account, which stands after the method: the force
-/// that it gives, and its balance [J] last. Optional in: hold [s] since the last row (else the
-/// period); local, 1 for a command that was computed at the device's present place (else 0);
-/// n1x,n1y,n1z to n3x,n3y,n3z, normals of the walls (else none). Numbers that are not finite are
-/// read, and render zero. Returns how many rows were refused for that. Throws CsvError for a field
-/// that is not a number, for a hold, a local or a normal that cannot be.
+/// that it gives, and its balance [J] last. With an amplifier: also motor [J], at the very end, the
+/// energy that its true force and torque gave so far if each row's movement was even. Optional in:
+/// hold [s] since the last row (else the period); local, 1 for a command that was computed at the
+/// device's present place (else 0); n1x,n1y,n1z to n3x,n3y,n3z, normals of the walls (else none).
+/// Numbers that are not finite are read, and render zero. Returns how many rows were refused for
+/// that. Throws CsvError for a field that is not a number, for a hold, a local or a normal that
+/// cannot be.
 std::size_t filter_bound(std::istream& in, std::ostream& out, const BoundingConfig& config,
-                         const std::optional<AccountConfig>& account_config = {});
+                         const std::optional<AccountConfig>& account_config = {},
+                         const std::optional<Plant::Amplifier>& amplifier = {});
 
 /// `feltwire-lab touch`. In: t [s], x,y,z [m]; for a tool with a body also qw,qx,qy,qz, its
 /// orientation. Out: ex,ey,ez,fx,fy,fz [N], the scene's force there, on the hand; for a tool with a

@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "client/hands/plant_file.hpp"
 #include "client/run/output_files.hpp"
 #include "core/base/visible_text.hpp"
 #include "core/bounding/device_account.hpp"
@@ -22,6 +23,7 @@
 #include "protocol/command_line/suggestion.hpp"
 #include "protocol/net/ports.hpp"
 #include "sim/emulator/link_relay.hpp"
+#include "sim/hands/amplifier_lag.hpp"
 #include "sim/lab/filters.hpp"
 #include "sim/lab/recording_tables.hpp"
 #include "sim/lab/study_commands.hpp"
@@ -87,8 +89,8 @@ void add_bound(CLI::App& app) {
     BoundingConfig config;
     double c1 = 0.0, c2 = 0.0;
     std::vector<double> damping, rotational_damping;
-    std::string spec;
-    bool account = false;
+    std::string spec, plant;
+    bool account = false, told = false;
   };
   auto o = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
@@ -111,6 +113,9 @@ void add_bound(CLI::App& app) {
       "        n1x,n1y,n1z to n3x,n3y,n3z  normals of the touched walls, 0,0,0 for none\n"
       "With --account the energy account limits the force after the method. The last column is "
       "balance [J].\n"
+      "With --plant the last column is motor: the energy [J] that the true motor behind the "
+      "plant's\n"
+      "amplifier gave so far, if the movement of each row was even.\n"
       "A row with nan or inf renders zero force. Example:\n"
       "  printf 'dx,dy,dz,ex,ey,ez,fx,fy,fz\\n0,-1e-4,0,0,4,0,0,0,0\\n' | feltwire-lab bound "
       "--period 0.001 --damping 0.5\n"
@@ -132,6 +137,12 @@ void add_bound(CLI::App& app) {
       ->add_flag("--account", o->account,
                  "Apply the device's energy account after the method, as a session does")
       ->needs(spec);
+  CLI::Option* plant =
+      command->add_option("--plant", o->plant,
+                          "FILE.json with the amplifier of the motor (docs/devices.md). The rows "
+                          "are the movement, so the rest of the plant has no effect");
+  command->add_flag("--told", o->told, "The method and the account use the motor lag of the plant")
+      ->needs(plant);
   CLI::Option* turns = command
                            ->add_option("--rotational-damping", o->rotational_damping,
                                         "[N m s/rad] Rotational damping of the device, in the same "
@@ -157,9 +168,16 @@ void add_bound(CLI::App& app) {
                    "Reference of passivity_control*: zero or following")
       ->capture_default_str();
   command->callback([o, c1, c2] {
-    const std::optional<DeviceSpec> device =
-        o->spec.empty() ? std::nullopt : std::optional(device_spec(o->spec));
+    std::optional<DeviceSpec> device;
+    if (!o->spec.empty()) device = device_spec(o->spec);
+    std::optional<Plant::Amplifier> amplifier;
+    if (!o->plant.empty()) amplifier = load_plant(o->plant).amplifier;
+    if (device && o->told) {
+      device->actuation.lag = lag_of(*amplifier).time;
+      device->actuation.kind = lag_of(*amplifier).kind;
+    }
     if (device) take_device(*device, o->config);
+    if (o->told) o->config.lag = lag_of(*amplifier).time;
     if (!device && o->damping.empty())
       throw std::invalid_argument("give --damping, the device's own, or --spec");
     if (!o->rotational_damping.empty()) {
@@ -175,7 +193,7 @@ void add_bound(CLI::App& app) {
     if (*c2) o->config.c2 = o->c2;
     std::optional<AccountConfig> account;
     if (o->account) account = account_config(*device, o->config.period);
-    report_refused(filter_bound(std::cin, std::cout, o->config, account));
+    report_refused(filter_bound(std::cin, std::cout, o->config, account, amplifier));
   });
 }
 

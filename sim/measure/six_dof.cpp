@@ -86,6 +86,7 @@ std::vector<SixDofSample> run_six_dof(const PoseEnvironment& environment,
     s.time = static_cast<double>(n) * period;
     const Pose measured = device.read(Nanoseconds(std::llround(s.time * 1e9))).pose;
     s.pose = {device.true_position(), device.true_orientation()};
+    s.energy = device.true_energy();
     s.displacement = measured.position - before.position;
     s.rotation = rotation_between(before.orientation, measured.orientation);
     s.held = held;

@@ -43,6 +43,7 @@ struct SixDofSample {
   Command commanded, rendered;       // f_e(n), f_d(n)
   Command held;                      // f_d(n-1), which acted during the movement
   bool in_debt = false;              // of the account
+  TrueEnergy energy;                 // until now
 };
 
 /// Reads the device every T, asks the environment, bounds, writes; one sample each, from time 0 to

@@ -9,6 +9,7 @@
 #include "core/base/parallel.hpp"
 #include "core/bounding/device_account.hpp"
 #include "core/bounding/method.hpp"
+#include "sim/hands/amplifier_lag.hpp"
 #include "sim/measure/experiment_metrics.hpp"
 
 namespace feltwire {
@@ -95,6 +96,7 @@ TorqueRow run_case(const TorqueCase& c, const TorqueSource& source) {
   row.force_share = force.share();
   row.torque_share = torque.share();
   row.direction_error = spread(std::move(directions)).mean;
+  if (c.plant) row.energy.real = samples.back().energy.made;
   for (const auto& turn : turns)
     row.oscillation = std::max(row.oscillation, highpass_rms(turn, 1.0 / kTorquePeriod));
   return row;
@@ -115,7 +117,10 @@ SixDofSetup torque_setup(const TorqueCase& c, const TorqueTask& task) {
   SixDofSetup setup;
   setup.hand = {
       .spec = torque_device(c.damping), .hand = hand, .task = pressed.hand, .wrist = pressed.wrist};
-  const DeviceSpec& spec = setup.hand.spec;
+  DeviceSpec& spec = setup.hand.spec;
+  spec.actuation.lag = setup.bounding.lag = c.told.time;
+  spec.actuation.kind = c.told.kind;
+  if (c.plant) setup.hand.plant = *c.plant;
   setup.duration = pressed.duration;
   setup.bounding.mode = bounding_method(c.law).name;
   setup.bounding.projection = Projection::cone;
@@ -149,6 +154,17 @@ std::vector<TorqueCase> torque_cases() {
   return cases;
 }
 
+std::vector<TorqueCase> torque_cases(const Plant& plant, bool told) {
+  const auto shared = std::make_shared<const Plant>(for_any_hand(plant));
+  std::vector<TorqueCase> cases = torque_cases();
+  std::erase_if(cases, [](const TorqueCase& c) { return c.delay > 0.0; });
+  for (TorqueCase& c : cases) {
+    c.plant = shared;
+    if (told) c.told = lag_of(plant.amplifier);
+  }
+  return cases;
+}
+
 std::vector<TorqueRow> run_torque(const std::vector<TorqueCase>& cases) {
   const TorqueSource source;
   std::vector<TorqueRow> rows(cases.size());
@@ -157,11 +173,15 @@ std::vector<TorqueRow> run_torque(const std::vector<TorqueCase>& cases) {
 }
 
 bool ports_hold(const std::vector<TorqueRow>& rows, const std::vector<TorqueSession>& sessions) {
-  constexpr double kRounding = 1e-12;  // [J] largest energy that rounding may explain
+  constexpr double kRounding = 1e-12;   // [J] largest energy that rounding may explain
+  constexpr double kIntegrated = 1e-9;  // [J] the same of the integrated motion of a plant
   const auto bounded = [](const TorqueCase& c) { return c.account || c.law == kDefaultMethod; };
   return std::ranges::none_of(rows,
                               [&](const TorqueRow& row) {
-                                return bounded(row.made) && row.energy.measured > kRounding;
+                                const TorqueCase& c = row.made;
+                                if (!c.plant) return bounded(c) && row.energy.measured > kRounding;
+                                return c.account && c.told.time > 0.0 &&
+                                       row.energy.real > kIntegrated;
                               }) &&
          std::ranges::none_of(sessions, [](const TorqueSession& s) {
            return s.violations > 0 || s.energy_made > kRounding;

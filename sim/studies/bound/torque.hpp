@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +23,10 @@ struct TorqueCase {
   double stiffness = 8.0;    // [N m/rad] of a joint's stop; bodies have their own
   double delay = 0.0;        // [s] a round trip
   NamedHand hand = kEightHands[0];
+  /// The device's; the numbers of its hand are not used. Null: it is ideal. The torque passes its
+  /// amplifier; rotation has no transmission.
+  std::shared_ptr<const Plant> plant = nullptr;
+  MotorLag told{};  // of the motor, as the law and the account are told
 };
 
 struct TorqueRow {
@@ -30,7 +35,7 @@ struct TorqueRow {
   double force_share = 0.0;      // rendered along commanded, of the commanded, 2nd half
   double torque_share = 0.0;     // the same for torque
   double direction_error = 0.0;  // [rad] mean, rendered against commanded torque
-  SixDofEnergy energy;           // [J]
+  SixDofEnergy energy;           // [J] with a plant, `real` is that of the true motor
   std::uint64_t excess = 0;      // samples in debt
 };
 
@@ -40,6 +45,9 @@ SixDofSetup torque_setup(const TorqueCase& made, const TorqueTask& task);
 
 /// Joints by law, stiffness and delay; bodies by law and delay; all by eight hands.
 std::vector<TorqueCase> torque_cases();
+/// torque_cases() without delay, on a device with this plant. `told`: the laws and the accounts
+/// know the lag of its amplifier.
+std::vector<TorqueCase> torque_cases(const Plant& plant, bool told);
 /// Runs every case, deterministic; rows in the order of the cases. Throws std::invalid_argument for
 /// a task that is not there.
 std::vector<TorqueRow> run_torque(const std::vector<TorqueCase>& cases);
@@ -73,7 +81,8 @@ std::string torque_table(const std::vector<TorqueRow>& rows);
 std::string torque_sessions_table(const std::vector<TorqueSession>& sessions);
 
 /// Whether no bounded port made energy: no session, and no case that has an account or a law that
-/// is passive by itself.
+/// is passive by itself. With a plant the energy of the true motor is judged, of the cases with an
+/// account that is told the lag.
 bool ports_hold(const std::vector<TorqueRow>& rows, const std::vector<TorqueSession>& sessions);
 
 }  // namespace feltwire

@@ -58,7 +58,8 @@ std::string csv(const std::vector<TorqueRow>& rows) {
 struct OverCases {
   double swing = 0.0, most_swing = 0.0;               // [rad] median and worst oscillation
   double torque = 0.0, force = 0.0, direction = 0.0;  // medians: ratios to the command, error [rad]
-  double energy = 0.0, by_torque = 0.0;               // [J] largest energy made in a case
+  // [J] largest energy made in a case: at the encoders, in all and by torque; at the true motor
+  double energy = 0.0, by_torque = 0.0, at_motor = 0.0;
 };
 
 OverCases over(const std::vector<TorqueRow>& rows,
@@ -74,6 +75,7 @@ OverCases over(const std::vector<TorqueRow>& rows,
     direction.push_back(row.direction_error);
     sum.energy = std::max(sum.energy, row.energy.measured);
     sum.by_torque = std::max(sum.by_torque, row.energy.torque);
+    sum.at_motor = std::max(sum.at_motor, row.energy.real);
   }
   sum.swing = median(swing);
   sum.torque = median(torque);
@@ -111,23 +113,27 @@ std::string torque_table(const std::vector<TorqueRow>& rows) {
     for (const double delay : {0.0, 0.02}) {
       const auto laws = laws_of(rows, joints, delay);
       if (laws.empty()) continue;
+      const bool plant = laws.front().plant != nullptr;
       append(text,
              "\n%s, round trip %.0f ms\n"
              "law                 accounts  oscillation [mrad]  torque  force   direction  energy "
              "made [mJ]\n"
              "                              median    worst     shown   shown   off [deg]  port    "
              " by "
-             "torque\n",
-             joints ? "Stops of a joint" : "Bodies in the hand", delay * kMilli);
+             "torque%s\n",
+             joints ? "Stops of a joint" : "Bodies in the hand", delay * kMilli,
+             plant ? "  at the motor" : "");
       for (const TorqueCase& law : laws) {
         const OverCases o = over(rows, [&](const TorqueCase& c) {
           return is_joint(c) == joints && c.delay == delay && c.law == law.law &&
                  c.account == law.account && c.ports == law.ports;
         });
-        append(text, "%-18s  %-8s  %7.2f  %9.2f  %6.2f  %6.2f  %9.1f  %8.3f  %8.3f\n",
+        append(text, "%-18s  %-8s  %7.2f  %9.2f  %6.2f  %6.2f  %9.1f  %8.3f  %8.3f",
                law.law.c_str(), ports_name(law), o.swing * kMilli, o.most_swing * kMilli, o.torque,
                joints ? 0.0 : o.force, o.direction * kDegrees, o.energy * kMilli,
                o.by_torque * kMilli);
+        if (plant) append(text, "  %12.3g", o.at_motor * kMilli);
+        text += '\n';
       }
     }
   return text;

@@ -53,6 +53,27 @@ TEST(BoundFilter, RendersTheClosedFormOfASpringBeyondTheLimit) {
   }
 }
 
+/// A motor that is late by one period gives the energy of the force before.
+TEST(BoundFilter, TheEnergyOfTheTrueMotorIsThatBehindItsAmplifier) {
+  std::string in = "ex,ey,ez,fx,fy,fz,dx,dy,dz\n";
+  for (int n = 1; n <= 5; ++n) in += std::to_string(n) + ",0,0,0,0,0,-1e-4,0,0\n";
+  const BoundingConfig config = contact_frame(0.5);
+  for (const double delay : {0.0, config.period}) {
+    std::istringstream input(in);
+    std::ostringstream output;
+    filter_bound(input, output, config, {}, Plant::Amplifier{.delay = delay});
+    EXPECT_THAT(output.str(), ::testing::StartsWith("rx,ry,rz,energy,active,motor\n"));
+    const auto out = rows(output.str());
+    ASSERT_EQ(out.size(), 5u);
+    double energy = 0.0;
+    const std::size_t late = delay > 0.0 ? 2 : 1;
+    for (std::size_t n = 0; n < 5; ++n) {
+      if (n >= late) energy += out[n - late][0] * -1e-4;
+      EXPECT_NEAR(out[n][5], energy, 1e-12) << n << ' ' << delay;
+    }
+  }
+}
+
 TEST(BoundFilter, WithRotationATorqueIsBoundedAndItsEnergyCounted) {
   // The hand rotates by 1 mrad per row against 10 N m/rad. With c_r = 2 b_r/T = 1 N m/rad, the
   // bound must give c_r dtheta per row.

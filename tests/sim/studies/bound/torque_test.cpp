@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <iterator>
+#include <vector>
 
 #include "sim/studies/bound/torque_figures.hpp"
 
@@ -86,6 +88,35 @@ TEST(Torque, OnlyLawsWithoutAPromiseMakeEnergyOnAJointsStop) {
           EXPECT_LE(row.energy.force, 1e-12) << row.made.law;
         }
     }
+}
+
+double most_at_motor(const std::vector<TorqueRow>& rows) {
+  double most = 0.0;
+  for (const TorqueRow& row : rows) most = std::max(most, row.energy.real);
+  return most;
+}
+
+/// On a plant with a motor lag, the true motor is judged. If the account knows the lag, it makes no
+/// energy. Without a bound it does.
+TEST(Torque, OnAPlantTheTrueMotorMakesNothingIfItsLagIsTold) {
+  Plant plant;
+  plant.amplifier.lag = 0.3e-3;
+  auto cases = torque_cases(plant, true);
+  std::erase_if(cases, [](const TorqueCase& c) {
+    return c.task != "cone" || c.stiffness != 64.0 || c.ports == Ports::two ||
+           (!c.account && c.law != kUnbounded);
+  });
+  ASSERT_EQ(cases.size(), 3 * kEightHands.size());
+  auto bounded = run_torque(cases);
+  const auto free = [](const TorqueRow& row) { return !row.made.account; };
+  std::vector<TorqueRow> unbounded;
+  std::ranges::copy_if(bounded, std::back_inserter(unbounded), free);
+  std::erase_if(bounded, free);
+  EXPECT_LE(most_at_motor(bounded), 1e-9);
+  EXPECT_TRUE(ports_hold(bounded, {}));
+  EXPECT_GT(most_at_motor(unbounded), 1e-4);
+  for (TorqueRow& row : unbounded) row.made.account = true;
+  EXPECT_FALSE(ports_hold(unbounded, {}));
 }
 
 TEST(Torque, TheSameCaseGivesTheSameBits) {
