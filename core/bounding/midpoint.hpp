@@ -16,8 +16,10 @@ namespace feltwire {
 /// sample ahead, it gives k/4 (|dx(n)|^2 - 2 dx(n).dx(n-1) + |dx(n-1)|^2). This is zero for an even
 /// motion and eight times less for a hand that swings at 80 Hz with T = 1 ms.
 ///
-/// A motor that follows its command by L delays the force further, by as much again as L: then it
-/// asks T/2 + L ahead, at x(n) + (1/2 + L/T) dx(n).
+/// A motor that follows its command by L delays the force further, by as much again as L. Asked T/2
+/// + L ahead, a wall has no damping for a slow hand, and takes some from a fast one. So it asks as
+/// much farther as L, half a sample at most: T/2 + L + min(L, T/2). That gives the wall a damping
+/// of k min(L, T/2) (docs/bounding.md, "The margin of a lag").
 ///
 /// This is shaping, not a bound: it makes the hand calm, and the account behind it makes the port
 /// passive (core/bounding/account.hpp). It works if the command is made at the device: in process,
@@ -58,7 +60,7 @@ class Midpoint {
   Midpoint(double quantum, double period, double lag = 0.0)
       : resting_(quantum),
         period_(period),
-        ahead_(kHalf + lag / period),
+        ahead_(kHalf + lag / period + std::min(kHalf, lag / period)),
         quanta_(kQuanta * quantum) {}
 
   BasicCommand<Real> step(const BasicBoundingStep<Real>& s) noexcept {

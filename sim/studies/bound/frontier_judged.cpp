@@ -10,6 +10,7 @@
 #include "core/base/units.hpp"
 #include "core/bounding/device_account.hpp"
 #include "sim/measure/experiment_metrics.hpp"
+#include "sim/studies/bound/frontier_setup.hpp"
 #include "sim/studies/bound/over_hands.hpp"
 
 namespace feltwire {
@@ -76,9 +77,33 @@ Plant drawn_plant(const JudgedBar& bar, Draws& draws, MotorLag& told) {
   return plant;
 }
 
+/// Returns the swing [m] of a case's hand on a wall that is an ideal spring: its motor has no lag,
+/// its encoder no steps, nothing limits its force, and only the case's transmission stands between
+/// motor and handle. The law is asked 20 times as often.
+double swing_on_an_ideal_wall(FrontierCase c, const TaskSource& source) {
+  constexpr double kFinePeriod = 5e-5;  // [s]
+  constexpr double kAnyForce = 1e3;     // [N]
+  Plant plant;
+  plant.transmission = c.plant->transmission;
+  c.plant = std::make_shared<const Plant>(plant);
+  c.law = "midpoint";
+  c.need = Need::no_account;
+  c.told = {};
+  c.device.quantum = 0.0;
+  c.device.max_force = kAnyForce;
+  const CompareTask task = task_of(c, source);
+  ExperimentSetup setup = setup_of(c, task);
+  setup.bounding.period = kFinePeriod;
+  std::vector<double> distance;
+  for (const ExperimentSample& s : run_experiment(task.touch, setup))
+    distance.push_back(task.distance(s.position));
+  return highpass_rms(distance, 1.0 / kFinePeriod);
+}
+
 struct Judged {
   OverHands hands;
-  double at_encoder = 0.0;  // median share, of a hand that swings 0
+  double at_encoder = 0.0;    // median share, of a hand that swings 0
+  std::size_t there_too = 0;  // hands that swing here, and on an ideal wall
 };
 
 Judged judge(const JudgedBar& bar, std::uint64_t seed, int hands) {
@@ -87,7 +112,12 @@ Judged judge(const JudgedBar& bar, std::uint64_t seed, int hands) {
   shares.reserve(rows.size());
   for (const FrontierRow& row : rows)
     shares.push_back(row.oscillation < kCalm ? row.displayed_at_encoder : 0.0);
-  return {over_hands(rows, [](const FrontierCase&) { return true; }), median(shares)};
+  Judged judged{over_hands(rows, [](const FrontierCase&) { return true; }), median(shares)};
+  const TaskSource source;
+  for (const FrontierRow& row : rows)
+    if (!(row.oscillation < kCalm) && !(swing_on_an_ideal_wall(row.made, source) < kCalm))
+      ++judged.there_too;
+  return judged;
 }
 
 }  // namespace
@@ -172,22 +202,22 @@ std::string judged_table(std::uint64_t seed, int hands) {
          kPressed, hands, static_cast<unsigned long long>(seed));
   text +=
       "device of\n75 g, 0.04 N and 30 um whose lag is told. Median share (a hand that swings "
-      "counts "
-      "as 0) at the encoder\nand at the handle, calm hands (below 10 um at the handle), the worst "
-      "swing, the most energy that the\ntrue motor made, and the share that a cold account can pay "
+      "counts as 0) at the encoder\nand at the handle; calm hands (below 10 um at the handle); how "
+      "many of the others swing on an ideal\nspring behind the same transmission, too; the worst "
+      "swing; the most energy that the true motor made;\nand the share that a cold account can pay "
       "for, or 2b/(T + 2L) over the wall.\n\n";
-  append(text, "%-34s %-5s %-6s %-4s %-6s %-6s | %-7s %-7s %-9s %-8s %-9s %s\n", "law", "b", "N/m",
-         "ms", "kN/m", "start", "encoder", "handle", "calm", "um", "mJ", "limit");
+  append(text, "%-34s %-5s %-6s %-4s %-6s %-6s | %-7s %-7s %-9s %-5s %-8s %-9s %s\n", "law", "b",
+         "N/m", "ms", "kN/m", "start", "encoder", "handle", "calm", "ideal", "um", "mJ", "limit");
   for (const JudgedBar& bar : judged_bars()) {
     const Judged found = judge(bar, seed, hands);
     const FrontierCase& c = bar.shared;
     const bool bound = c.law == "contact_frame";
-    append(text, "%-34s %-5g %-6g %-4g %-6s %-6s | %7.3f %7.3f %3zu of %-3zu %8.1f %9.3g ",
+    append(text, "%-34s %-5g %-6g %-4g %-6s %-6s | %7.3f %7.3f %3zu of %-3zu %5zu %8.1f %9.3g ",
            bar.name.c_str(), c.damping, c.wall, kMilli * bar.lag,
            bar.transmission > 0.0 ? std::to_string(bar.transmission * 1e-3).substr(0, 4).c_str()
                                   : "rigid",
            c.cold ? "cold" : "warm", found.at_encoder, found.hands.median, found.hands.calm,
-           found.hands.hands, kMicro * found.hands.worst_oscillation,
+           found.hands.hands, found.there_too, kMicro * found.hands.worst_oscillation,
            kMilli * found.hands.made_at_motor);
     if (bound)
       append(text, "%.3f\n",

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -99,12 +100,57 @@ TEST(Midpoint, AfterASlowSwingTheSceneIsAskedFartherAhead) {
   EXPECT_EQ(learned.untold_lag, Midpoint<double>::kLagStep);
   EXPECT_EQ(learned.near_share, 1.0) << "it costs no force";
   const Vec3 way(2e-4, 0, 0);
-  const double ahead = 0.5 + (kTold + learned.untold_lag) / kPeriod;
+  const double margin = std::min(0.5, kTold / kPeriod);
+  const double ahead = 0.5 + margin + (kTold + learned.untold_lag) / kPeriod;
   EXPECT_NEAR(midpoint.probe(way, way).offset.x(), ahead * way.x(), 1e-12);
   EXPECT_NEAR(midpoint.probe(way, way).rotation.x(), ahead * way.x(), 1e-12);
   swing(midpoint, 2e-3, 0.0, 25.0, 5.0);
   EXPECT_EQ(midpoint.hand_credit().untold_lag, Midpoint<double>::kMostUntold);
   EXPECT_EQ(midpoint.hand_credit().near_share, 1.0);
+}
+
+/// A handle of 75 g without any friction swings on a wall, whose force comes `lag` [s] late.
+/// Returns the ratio of the swing after half a second to that of the beginning. `ahead` gives the
+/// place at which the wall is asked for a movement.
+template <class Ahead>
+double swing_left(double wall, double lag, Ahead ahead) {
+  constexpr double kMass = 0.075;
+  double x = 1e-4, v = 0.0, before = x, force = 0.0, first = 0.0, last = 0.0;
+  const auto fly = [&](double time) {
+    x += (v + 0.5 * force / kMass * time) * time;
+    v += force / kMass * time;
+  };
+  constexpr int kSamples = 500, kWindow = 50;
+  for (int n = 0; n < kSamples; ++n) {
+    const double asked = x + ahead(x - before);
+    before = x;
+    fly(lag);
+    force = -wall * asked;
+    fly(kPeriod - lag);
+    if (n < kWindow) first = std::max(first, std::abs(x));
+    if (n >= kSamples - kWindow) last = std::max(last, std::abs(x));
+  }
+  return last / first;
+}
+
+/// The stiffnesses are those of the table in docs/bounding.md, "The margin of a lag".
+TEST(Midpoint, TheMarginOfALagKeepsABareHandleCalm) {
+  struct Told {
+    double lag, stiffest;  // [s], [N/m]
+  };
+  for (const Told& told :
+       {Told{0.1e-3, 16.5e3}, {0.15e-3, 19e3}, {0.3e-3, 20e3}, {0.5e-3, 17.5e3}, {0.8e-3, 11e3}}) {
+    const Midpoint<double> midpoint(0.0, kPeriod, told.lag);
+    const auto asked = [&](double way) {
+      return midpoint.probe(Vec3(way, 0, 0), Vec3::Zero()).offset.x();
+    };
+    double wall = 500.0;  // [N/m]
+    while (swing_left(wall, told.lag, asked) < 1.0) wall += 100.0;
+    EXPECT_NEAR(wall, told.stiffest, 700.0) << told.lag;
+    // Without the margin, a wall takes damping from the handle.
+    const auto without = [&](double way) { return (0.5 + told.lag / kPeriod) * way; };
+    EXPECT_GT(swing_left(1e3, told.lag, without), 1.0) << told.lag;
+  }
 }
 
 /// An oscillation that loses 40 % of its amplitude within three movements comes to rest by itself.
