@@ -203,11 +203,12 @@ void identify(const IdentifyWords& words) {
   if (!(found.damping_bound.minCoeff() > 0.0))
     std::printf(
         "The damping is too small to separate it from friction and noise. The file has 0.\n");
-  if (known.spec.actuation.late_ticks > 0 && found.lag_bound)
+  if (const double late = late_time(known.spec, found); found.lag_bound && *found.lag_bound < late)
     std::fprintf(stderr,
-                 "feltwire-client identify: warning: the file goes on with late_ticks %d. If that "
-                 "is less than %.2f ms, put late_ticks 0 and actuation_lag %.6f in their place\n",
-                 known.spec.actuation.late_ticks, 1e3 * *found.lag_bound, *found.lag_bound);
+                 "feltwire-client identify: warning: late_ticks %d are %.2f ms, but a force acts "
+                 "after %.2f ms at most. Put late_ticks 0 and actuation_lag %.6f in their place\n",
+                 known.spec.actuation.late_ticks, 1e3 * late, 1e3 * *found.lag_bound,
+                 *found.lag_bound);
   replace_file(words.out, device_file_text(described), kByUmask);
   std::printf("%s was written; use it with --spec %s\n", visible(words.out).c_str(),
               visible(words.out).c_str());

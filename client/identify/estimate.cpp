@@ -185,6 +185,7 @@ void read_noise(std::span<const SweepRecord> runs, std::span<const SweepTick> re
         if (step > 1e-12) least = std::min(least, step);
   found.quantum = std::isfinite(least) ? least : 0.0;
   if (rest.size() < 2) return;
+  found.tick = (rest.back().time - rest.front().time) / static_cast<double>(rest.size() - 1);
   Vec3 mean = Vec3::Zero(), squares = Vec3::Zero();
   const double count = static_cast<double>(rest.size());
   for (const SweepTick& tick : rest) mean += tick.position / count;

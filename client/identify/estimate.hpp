@@ -26,6 +26,7 @@ struct DeviceEstimate {
   double mass_bound = 0.0;            // in every direction
   double quantum = 0.0;  // [m] smallest step of a reading; tiny if readings never repeat
   double noise = 0.0;    // [m] RMS of a handle at rest, the worst axis
+  double tick = 0.0;     // [s] mean time between two readings
   double lag = 0.0;      // [s] from a force to the reading that shows it, without the hold
   std::optional<double> lag_bound{};              // [s] it is not longer; empty: it cannot be told
   std::optional<TransmissionFit> transmission{};  // of the softest axis; empty: it cannot be told

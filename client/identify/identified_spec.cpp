@@ -74,6 +74,10 @@ SourcedSpec reported_spec(SourcedSpec requested, const DeviceSpec& reported) {
   return requested;
 }
 
+double late_time(const DeviceSpec& spec, const DeviceEstimate& found) {
+  return spec.actuation.late_ticks * found.tick;
+}
+
 SourcedSpec identified_spec(SourcedSpec known, const DeviceEstimate& found,
                             const std::string& date) {
   DeviceSpec& spec = known.spec;
@@ -98,12 +102,14 @@ SourcedSpec identified_spec(SourcedSpec known, const DeviceEstimate& found,
   known.sources["coulomb_friction"] = by;
   known.sources["least_friction"] = by + friction.str();
   known.sources["position_resolution"] = by + noise.str();
-  if (spec.actuation.late_ticks == 0 && found.lag_bound) {
-    const auto& [kind, lag] = told_lag(*found.lag_bound);
+  if (found.lag_bound) {
+    const double late = late_time(spec, found);
+    const auto& [kind, lag] = told_lag(std::max(0.0, *found.lag_bound - late));
     spec.actuation.lag = lag;
     spec.actuation.kind = kind;
     std::ostringstream text;
     text << ": upper bound, of the reading too; estimate " << found.lag;
+    if (late > 0.0) text << ", less " << late << " s of late_ticks";
     known.sources["actuation_lag"] = by + text.str();
     known.sources["actuation_kind"] = by;
     known.tells_lag = true;

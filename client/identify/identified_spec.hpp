@@ -13,10 +13,13 @@ namespace feltwire {
 /// the driver's assumption, and its source says so.
 SourcedSpec reported_spec(SourcedSpec requested, const DeviceSpec& reported);
 
+/// [s] The part of a measured lag that the device's late ticks are.
+double late_time(const DeviceSpec& spec, const DeviceEstimate& found);
+
 /// Returns `known` with the measured numbers: lower bounds for the numbers that the account uses.
-/// The sources say so, with the estimate and `date`. The lag is written unless `known` has late
-/// ticks, which stand for it; the transmission if the readings tell it. Throws DeviceSpecError if
-/// the two contradict each other.
+/// The sources say so, with the estimate and `date`. The lag is written if the readings tell it; if
+/// `known` has late ticks, it is the rest beyond late_time(). The transmission is written if the
+/// readings tell it. Throws DeviceSpecError if the two contradict each other.
 SourcedSpec identified_spec(SourcedSpec known, const DeviceEstimate& found,
                             const std::string& date);
 

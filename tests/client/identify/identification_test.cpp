@@ -188,7 +188,7 @@ TEST(IdentifiedSpec, TellsTheLag) {
   EXPECT_EQ(late.actuation.kind, LagKind::delay);
 }
 
-/// Late ticks include the complete lag. Without a new value, the old value stays.
+/// Without a new value, the old value stays.
 TEST(IdentifiedSpec, KeepsWhatWasToldOfTheLag) {
   DeviceEstimate found;
   found.mass = Vec3::Constant(0.2);
@@ -199,12 +199,27 @@ TEST(IdentifiedSpec, KeepsWhatWasToldOfTheLag) {
   const SourcedSpec kept = written_and_read(identified_spec(known, found, "2026-11-29"));
   EXPECT_DOUBLE_EQ(kept.spec.actuation.lag, 0.7e-3);
   EXPECT_EQ(kept.spec.actuation.kind, LagKind::filter);
-  known = sourced_spec("omega.7");
+}
+
+/// Late ticks are a part of the measured lag. The rest is the lag beyond them.
+TEST(IdentifiedSpec, TellsTheLagBeyondLateTicks) {
+  DeviceEstimate found;
+  found.mass = Vec3::Constant(0.2);
+  found.tick = 1e-3;
+  found.lag = 2.25e-3, found.lag_bound = 2.3e-3;
+  SourcedSpec known = sourced_spec("omega.7");
   known.spec.actuation.late_ticks = 2;
-  found.lag_bound = 1.5e-3;
-  const SourcedSpec ticks = written_and_read(identified_spec(known, found, "2026-11-29"));
-  EXPECT_FALSE(ticks.tells_lag);
-  EXPECT_EQ(ticks.spec.actuation.late_ticks, 2);
+  const SourcedSpec late = written_and_read(identified_spec(known, found, "2026-11-30"));
+  EXPECT_TRUE(late.tells_lag);
+  EXPECT_EQ(late.spec.actuation.late_ticks, 2);
+  EXPECT_NEAR(late.spec.actuation.lag, 0.3e-3, 1e-12);
+  EXPECT_EQ(late.spec.actuation.kind, LagKind::mixed);
+  EXPECT_THAT(late.sources.at("actuation_lag"),
+              ::testing::EndsWith("estimate 0.00225, less 0.002 s of late_ticks"));
+  found.lag_bound = 1.5e-3;  // earlier than the late ticks say
+  EXPECT_EQ(identified_spec(known, found, "2026-11-30").spec.actuation.lag, 0.0);
+  found.lag_bound.reset();
+  EXPECT_FALSE(identified_spec(known, found, "2026-11-30").tells_lag);
 }
 
 TEST(ReportedSpec, SaysWhatTheDriverAssumes) {
