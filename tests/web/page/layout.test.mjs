@@ -94,6 +94,14 @@ test('the strip of reasons shows whole lines', async () => {
   assert.equal(await page.evaluate(() => document.querySelector('#why').scrollHeight - document.querySelector('#why').clientHeight), 0);
 });
 
+test('reasons that take force off come before those that do not', async () => {
+  await show(1);
+  server.play.reasons = bits('touching', 'near', 'limits');
+  const shown = () => page.locator('#reasons li:visible').evaluateAll((items) => items.map(({title}) => title));
+  await until(() => [...document.querySelectorAll('#reasons li')].filter((item) => !item.hidden).map(({title}) => title).sort().join() === 'limits,near,touching');
+  assert.deepEqual(await shown(), ['limits', 'touching', 'near']);
+});
+
 test('the panel of admins covers neither the scene nor a name, and says what unlocks it', async () => {
   for (const width of [1360, 1000]) {
     await show(2, {width, height: 860});

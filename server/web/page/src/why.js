@@ -72,9 +72,11 @@ export class Why {
       item.hidden = true;
       item.classList.toggle('state', reason.cuts === false);
       item.append(text, ' ', share);
-      this.list.append(item);
       return {item, share};
     });
+    // Reasons that take force off come first: the strip has room for two.
+    const inOrder = (cuts) => this.items.filter((_, bit) => (reasons[bit].cuts !== false) === cuts).map(({item}) => item);
+    this.list.append(...inOrder(true), ...inOrder(false));
   }
 
   /** @param {import('./hands.js').Hand | undefined} hand @param {boolean} seen whether any picture came @param {object | undefined} session of the hand */
