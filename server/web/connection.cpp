@@ -154,6 +154,12 @@ void Connection::show_binary(std::span<const std::uint8_t> head, const SharedByt
   pump();
 }
 
+void Connection::ping() {
+  if (overfull_) return;
+  socket_->ping();
+  pump();
+}
+
 bool Connection::ready() const {
   return !writing_ && !closing_ && !overfull_ && !socket_->has_output();
 }

@@ -31,6 +31,7 @@ class Connection : public Viewer, public std::enable_shared_from_this<Connection
   void send(const std::string& text) override;
   void show_text(const SharedBytes& text) override;
   void show_binary(std::span<const std::uint8_t> head, const SharedBytes& data) override;
+  void ping() override;
   bool ready() const override;
   void close(WebSocketClose code, std::string_view reason) override;
   void admitted() override;

@@ -25,6 +25,8 @@ class Viewer {
   /// The message begins with bytes of this viewer only, `head`.
   virtual void show_binary(std::span<const std::uint8_t> head, const SharedBytes& data) = 0;
   void show_binary(const SharedBytes& data) { show_binary({}, data); }
+  /// Asks the other end for a sign of life, which counts as a frame of it.
+  virtual void ping() = 0;
   /// Whether all data were sent. A viewer that is not ready gets no picture.
   virtual bool ready() const = 0;
   /// The viewer may be gone when this returns.

@@ -80,7 +80,10 @@ void ViewerHub::refuse(Id id, WebSocketClose code, const std::string& reason) {
 
 void ViewerHub::count(Id id) {
   const auto found = slots_.find(id);
-  if (found == slots_.end() || found->second.messages.take(monotonic_now())) return;
+  if (found == slots_.end()) return;
+  const Nanoseconds now = monotonic_now();
+  if (found->second.pings) found->second.pings->hear(now);
+  if (found->second.messages.take(now)) return;
   refuse(id, WebSocketClose::bad_message, "too many messages");
 }
 
@@ -177,8 +180,10 @@ void ViewerHub::admit(Id id, const ViewTicket& ticket) {
   ++counters_.viewers;
   enter(slot, *token);
   watch(slot, ticket.scene);  // refuses the viewer if the token no longer opens the scene
-  if (const auto still = slots_.find(id); still != slots_.end())
+  if (const auto still = slots_.find(id); still != slots_.end()) {
     still->second.foxglove.emplace(*still->second.viewer, ticket.scene);
+    still->second.pings.emplace(monotonic_now());
+  }
 }
 
 std::optional<Secret> ViewerHub::mint_ticket(const Token* token, std::string_view scene) {
@@ -233,8 +238,22 @@ void ViewerHub::look_after_tokens(Nanoseconds now) {
     refuse(id, WebSocketClose::bad_token, "the token has been revoked or has expired");
 }
 
+/// Pings the viewers that have said nothing for a while. Refuses those that answer no ping: their
+/// machine or their network is gone.
+void ViewerHub::ping(Nanoseconds now) {
+  std::vector<Id> gone;
+  for (auto& [id, slot] : slots_) {
+    if (!slot.pings) continue;
+    const PingSchedule::Step step = slot.pings->step(now);
+    if (step == PingSchedule::Step::ping) slot.viewer->ping();
+    if (step == PingSchedule::Step::gone) gone.push_back(id);
+  }
+  for (const Id id : gone) refuse(id, WebSocketClose::going_away, "no ping was answered");
+}
+
 void ViewerHub::tick(Nanoseconds now) {
   look_after_tokens(now);
+  ping(now);
   for (auto& [id, slot] : slots_)
     if (const auto news = slot.hand.news()) slot.viewer->send(*news);
   std::vector<ViewerSlot*> watching;

@@ -97,6 +97,7 @@ class ViewerHub {
   void give_ticket(ViewerSlot& slot, std::string_view scene);
   void follow(ViewerSlot& slot, const ViewerMessage& said);
   void refuse(Id id, WebSocketClose code, const std::string& reason);
+  void ping(Nanoseconds now);
   void look_after_tokens(Nanoseconds now);
 
   ViewerTokens tokens_;

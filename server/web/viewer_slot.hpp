@@ -9,6 +9,7 @@
 
 #include "core/base/token_bucket.hpp"
 #include "server/web/foxglove_viewer.hpp"
+#include "server/web/ping_schedule.hpp"
 #include "server/web/viewer.hpp"
 #include "server/web/viewers_hand.hpp"
 
@@ -34,6 +35,7 @@ struct ViewerSlot {
   std::uint32_t version = 0;                 // of the scene that was sent
   std::uint32_t changes = 0;                 // live changes of that scene that it knows
   std::optional<FoxgloveViewer> foxglove{};  // it uses that protocol, not the page's
+  std::optional<PingSchedule> pings{};       // of such a viewer, which may get no other message
   TokenBucket messages{kMessageRate, kMessageBurst};  // frames of every kind
   ViewersHand hand;
 };

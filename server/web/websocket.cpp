@@ -135,6 +135,12 @@ void WebSocket::send_binary(const web::SharedBytes& message, std::span<const std
   queue(WSLAY_BINARY_FRAME, head, message);
 }
 
+void WebSocket::ping() {
+  if (closing_ || wslay_event_get_write_enabled(context_.get()) == 0) return;
+  const wslay_event_msg ping{WSLAY_PING, nullptr, 0};
+  if (wslay_event_queue_msg(context_.get(), &ping) == WSLAY_ERR_NOMEM) throw std::bad_alloc();
+}
+
 void WebSocket::queue(std::uint8_t opcode, std::span<const std::uint8_t> own,
                       const web::SharedBytes& shared) {
   if (closing_ || wslay_event_get_write_enabled(context_.get()) == 0) return;

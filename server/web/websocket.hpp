@@ -52,6 +52,9 @@ class WebSocket {
   /// with bytes of this connection only, `head`.
   void send_text(const web::SharedBytes& message);
   void send_binary(const web::SharedBytes& message, std::span<const std::uint8_t> head = {});
+  /// Sends a ping, which the other end answers. Throws std::bad_alloc. Nothing happens after
+  /// close().
+  void ping();
   /// Sends a close with its reason; at most 120 bytes of the reason are sent. Messages of which no
   /// byte was taken out are dropped.
   void close(WebSocketClose code, std::string_view reason);

@@ -23,6 +23,7 @@ struct KeepingViewer : Viewer {
     message.insert(message.end(), shown.bytes().begin(), shown.bytes().end());
     data.push_back(std::move(message));
   }
+  void ping() override {}
   bool ready() const override { return true; }
   void close(WebSocketClose, std::string_view) override { closed = true; }
   void admitted() override {}

@@ -24,6 +24,7 @@ struct FakeViewer final : web::Viewer {
   void send(const std::string& text) override { texts.push_back(text); }
   void show_text(const web::SharedBytes& text) override { texts.emplace_back(text.text()); }
   void show_binary(std::span<const std::uint8_t>, const web::SharedBytes&) override { ++binaries; }
+  void ping() override { ++pings; }
   bool ready() const override { return is_ready; }
   void close(WebSocketClose, std::string_view) override { closed = true; }
   void admitted() override {}
@@ -32,7 +33,7 @@ struct FakeViewer final : web::Viewer {
   std::vector<std::string> take() { return std::exchange(texts, {}); }
 
   std::vector<std::string> texts;
-  int binaries = 0;
+  int binaries = 0, pings = 0;
   bool is_ready = true, closed = false;
 };
 

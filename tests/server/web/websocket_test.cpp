@@ -169,6 +169,21 @@ TEST(WebSocket, AnswersAPing) {
   EXPECT_EQ(frames[0].text(), "there?");
 }
 
+TEST(WebSocket, PingsUntilItsClose) {
+  End end;
+  end.socket.send_text("news");
+  end.socket.ping();
+  std::vector<int> opcodes;
+  for (const test::Frame& frame : end.sent()) opcodes.push_back(frame.opcode);
+  EXPECT_EQ(opcodes, (std::vector<int>{9, 1}));
+  EXPECT_TRUE(end.socket.receive(client_frame(10, "")));
+  EXPECT_EQ(end.begun, 1) << "the answer is a frame of the other end";
+  EXPECT_TRUE(end.said.empty());
+  end.socket.close(WebSocketClose::going_away, "");
+  end.socket.ping();
+  EXPECT_EQ(end.sent().size(), 1u);
+}
+
 TEST(WebSocket, ClosesWithItsReason) {
   End end;
   end.socket.close(WebSocketClose::bad_token, std::string(500, 'r'));
