@@ -12,7 +12,8 @@ export function chooseLanguage(chosen, wanted) {
   return wanted.map((tag) => String(tag).toLowerCase().split(/[^a-z]/)[0]).find((tag) => TAGS.includes(tag)) ?? TAGS[0];
 }
 
-export const language = chooseLanguage(forGood.get(KEY), navigator.languages ?? [navigator.language]);
+const browser = globalThis.navigator;  // absent where a program reads a recording by these scripts
+export const language = chooseLanguage(forGood.get(KEY), browser?.languages ?? [browser?.language]);
 const place = TAGS.indexOf(language);
 
 /**
