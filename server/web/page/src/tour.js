@@ -26,6 +26,7 @@ export class Tour {
     this.panel = panel;
     this.page = page;
     this.wall = null;
+    this.name = '';  // of the scene
     this.colors = null;
     this.active = false;
     this.step = 0;
@@ -50,8 +51,9 @@ export class Tour {
     this.wall = wallOf(scene);
     this.results.clear();
     this.before = null;
-    this.delayed.clear();
     this.trace.clear();
+    if (scene.name !== this.name) this.delayed.clear();  // After a reload the delays are still there, and are set back later.
+    this.name = scene.name;
     if (this.active) this.go(this.step);
   }
 
