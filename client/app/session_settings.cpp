@@ -183,6 +183,14 @@ void choose_bound(const OptionValues& values, ClientOptions& options) {
 }
 
 void choose_traffic(const OptionValues& values, Role role, SessionParameters& parameters) {
+  static_assert(kMaxDeadband == 0.5);
+  const auto within = [](double percent) {
+    return percent >= 0.0 && percent <= kPercent * kMaxDeadband;
+  };
+  require_session(within(values.traffic.position_deadband_percent),
+                  "position_deadband of --traffic must be from 0 to 50 %");
+  require_session(within(values.traffic.force_deadband_percent),
+                  "force_deadband of --traffic must be from 0 to 50 %");
   parameters.position_deadband = values.traffic.position_deadband_percent / kPercent;
   parameters.force_deadband = values.traffic.force_deadband_percent / kPercent;
   parameters.predictor = predictor(values.traffic.predictor);

@@ -1,7 +1,7 @@
 #include "protocol/session/session_parameters.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <cstdio>
 #include <stdexcept>
 #include <string>
@@ -18,13 +18,9 @@ constexpr double kLargestCouplingDamping = 1e6;              // [N s/m]
 constexpr double kLightestTool = 1e-6, kHeaviestTool = 1e3;  // [kg]
 
 std::string short_text(double number) {
-  std::string digits = std::to_string(number);
-  if (std::abs(number) < 1e-3 || std::abs(number) > 1e6) {
-    char buffer[32];
-    std::snprintf(buffer, sizeof buffer, "%g", number);
-    digits = buffer;
-  }
-  return digits;
+  std::array<char, 32> text;
+  std::snprintf(text.data(), text.size(), "%g", number);
+  return text.data();
 }
 
 /// Throws if the value is outside the range, or if it is NaN.
@@ -32,8 +28,8 @@ void within(const char* field, double value, double low, double high, const char
             const char* remedy) {
   if (value >= low && value <= high) return;
   throw std::invalid_argument(std::string(field) + " = " + short_text(value) + " is not within " +
-                              short_text(low) + " to " + short_text(high) + " " + unit + "; " +
-                              remedy);
+                              short_text(low) + " to " + short_text(high) +
+                              (*unit != '\0' ? " " : "") + unit + "; " + remedy);
 }
 
 void known(const char* field, std::size_t value, std::size_t choices) {

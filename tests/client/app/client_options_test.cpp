@@ -459,6 +459,8 @@ TEST(Options, AValueThatWouldBeMisreadIsRefused) {
   EXPECT_THAT(refusal({"--mode", "contact_frame,storage"}),
               HasSubstr("--mode: storage has no value; write storage=VALUE"));
   EXPECT_THAT(refusal({"--traffic", "packet_rate"}), HasSubstr("packet_rate has no value"));
+  EXPECT_THAT(refusal({"--traffic", "force_deadband=51"}),
+              HasSubstr("force_deadband of --traffic must be from 0 to 50 %"));
   EXPECT_THAT(refusal({"--traffic", "=3"}), HasSubstr("there is no name before =3"));
 }
 

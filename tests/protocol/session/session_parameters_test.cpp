@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <stdexcept>
+#include <string>
 
 namespace feltwire::session_parameters_test {
 namespace {
@@ -114,6 +115,25 @@ TEST(SessionParameters, EachFaultNamesItsField) {
       EXPECT_THAT(error.what(), ::testing::StartsWith(wrong.field));
     }
   }
+}
+
+TEST(SessionParameters, NumbersInAFaultAreShort) {
+  const auto fault = [](const std::function<void(SessionParameters&)>& spoil) -> std::string {
+    SessionParameters p;
+    spoil(p);
+    try {
+      validate(p);
+      return {};
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+  };
+  EXPECT_THAT(fault([](SessionParameters& p) { p.servo_period = 5e-6; }),
+              HasSubstr("servo_period = 5e-06 is not within 1e-05 to 0.1 s; "));
+  EXPECT_THAT(fault([](SessionParameters& p) { p.redundancy = -1; }),
+              HasSubstr("redundancy = -1 is not within 0 to 8 samples; "));
+  EXPECT_THAT(fault([](SessionParameters& p) { p.force_deadband = 0.51; }),
+              HasSubstr("force_deadband = 0.51 is not within 0 to 0.5; "));
 }
 
 TEST(SessionParameters, BoundCreditsTheOperator) {
