@@ -11,13 +11,13 @@
 namespace feltwire {
 
 struct DemoHandsSetup {
-  std::filesystem::path client;              // the program feltwire-client
-  std::string server;                        // HOST:PORT of the control port from this machine
-  std::string fingerprint;                   // of the server's certificate
-  std::filesystem::path token;               // file with a token that opens the scenes
-  std::filesystem::path logs;                // folder for what the hands say
-  std::vector<std::string> scenes = {};      // their names
-  std::chrono::milliseconds patience{5000};  // of end(), before a hand is killed
+  std::filesystem::path client;                // the program feltwire-client
+  std::string server;                          // HOST:PORT of the control port from this machine
+  std::string fingerprint;                     // of the server's certificate
+  std::filesystem::path token;                 // file with a token that opens the scenes
+  std::filesystem::path logs;                  // folder for what the hands say
+  std::vector<std::string> scenes = {};        // their names
+  std::chrono::milliseconds patience{10'000};  // of end(), before a hand is killed
 };
 
 struct DemoHand;

@@ -216,6 +216,13 @@ void validate(const ServerConfig& config) {
         "--demo: its hands have a token of the state folder and no certificate; leave --tokens and "
         "--client-ca out");
   if (const auto wrong = complaint(config)) throw std::invalid_argument(*wrong);
+  if (config.demo &&
+      2 * config.scenes.size() > static_cast<std::size_t>(config.max_sessions_per_client))
+    throw std::invalid_argument(
+        "--demo: its two hands in each of " + std::to_string(config.scenes.size()) +
+        " scenes are of one client, which may have --max-sessions-per-client " +
+        std::to_string(config.max_sessions_per_client) +
+        " sessions; raise it, or serve fewer scenes");
 }
 
 }  // namespace feltwire

@@ -109,6 +109,13 @@ TEST(Program, DemoNeedsTheTokenOfTheStateFolder) {
       "--demo: its hands have a token of the state folder and no certificate; leave --tokens");
 }
 
+TEST(Program, DemoNeedsASessionForEachHand) {
+  expect_one_line(
+      Program({"--scene", scene_file(), "--demo", "--max-sessions-per-client", "1"}).finish(),
+      "--demo: its two hands in each of 1 scenes are of one client, which may have "
+      "--max-sessions-per-client 1 sessions; raise it");
+}
+
 /// A client's name may have control characters. The log must escape them.
 TEST(Program, TheLogShowsControlCharacters) {
   const testing::TemporaryFolder folder;
