@@ -14,6 +14,7 @@
 #include "client/app/admin_requests.hpp"
 #include "client/command_line/credential_options.hpp"
 #include "core/base/enum_names.hpp"
+#include "core/base/token_text.hpp"
 #include "core/base/units.hpp"
 #include "core/base/visible_text.hpp"
 #include "protocol/command_line/command_error.hpp"
