@@ -350,6 +350,7 @@ void add_studies(CLI::App& app, int& status) {
   add_figures(app);
   add_zwidth(app);
   add_frontier(app);
+  add_advise(app);
   add_torque(app, status);
   add_convex_parts(app);
   add_compare(app);

@@ -8,6 +8,7 @@ namespace feltwire {
 
 /// Adds a subcommand for each study. `status` becomes the exit status of a study that judges its
 /// results.
+void add_advise(CLI::App& app);
 void add_torque(CLI::App& app, int& status);
 void add_convex_parts(CLI::App& app);
 void add_compare(CLI::App& app);
