@@ -134,8 +134,10 @@ void add_reasons(const Question& question, const TrafficOffer& offer, bool movin
     advice.reasons.push_back(text);
   };
   const Setting& s = offer.setting;
-  line("law %s: it shows the most of these materials on this device, and is calm",
-       s.mode_option().c_str());
+  line("law %s: it shows the most of these materials on this device%s", s.mode_option().c_str(),
+       std::ranges::all_of(advice.feel, &Felt::calm)
+           ? ", and is calm"
+           : "; a hand swings on some of them, so use softer ones or a better part");
   line("side client: the bound at the device alone makes the port passive over this link");
   line("local model whole: a force over this link would be %.1f ms old",
        kMilli * (offer.age.total));

@@ -58,7 +58,7 @@ Measured measured_press(const DrawnCase& drawn, const Setting& setting, const Pl
   found.down_kbit = run.down.kbit_per_second(kDuration);
   found.server = seconds(run.server_time) / kDuration;
   found.client = seconds(run.client_time) / kDuration;
-  found.passive = run.measured_port.violations() == 0;
+  found.passive = run.observed_port.violations() == 0;
   return found;
 }
 

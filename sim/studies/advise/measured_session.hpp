@@ -12,7 +12,8 @@ struct Measured {
   double news_age = 0.0;                  // [s] mean age of the newest answered sample
   double up_kbit = 0.0, down_kbit = 0.0;  // [kbit/s]
   double server = 0.0, client = 0.0;      // [s] of computing for a second, without system calls
-  bool passive = true;                    // no more energy at the port than the device burned
+  // No more energy at the port than the device burned, with the dry friction that is known.
+  bool passive = true;
   bool calm() const { return oscillation < 10e-6; }
 };
 
