@@ -19,7 +19,7 @@
 namespace feltwire {
 namespace {
 
-/// Of the limits of the waits between attempts to join again.
+/// The first and the longest limit of the waits between attempts to join again.
 constexpr std::chrono::milliseconds kFirstWait{250}, kLongestWait{4000};
 constexpr int kBetweenAsks = 250;  // [ms] between two requests for names
 constexpr int kLongestLook = 16;   // [ms] between two looks for views

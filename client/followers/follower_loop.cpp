@@ -17,7 +17,7 @@ namespace feltwire {
 namespace {
 
 constexpr std::chrono::milliseconds kJoinTime{3000};
-/// Of the waits between attempts to join again.
+/// The first and the longest limit of the waits between attempts to join again.
 constexpr std::chrono::milliseconds kFirstWait{250}, kLongestWait{4000};
 // [s] Time to brake the robot. It is enough for any real speed and acceleration.
 constexpr double kBrakes = 0.25;

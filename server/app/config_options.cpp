@@ -5,6 +5,7 @@
 #include <array>
 
 #include "protocol/session/profiles.hpp"
+#include "server/app/fleet_settings.hpp"
 
 namespace feltwire {
 namespace {
@@ -88,6 +89,10 @@ void add_serving(CLI::App& app, ServerConfig& config) {
       "PORT or ADDRESS:PORT of the counters for Prometheus (/metrics), without the live "
       "page. PORT alone serves this machine. ADDRESS:PORT also serves other machines, by "
       "HTTPS and with a token. 0: a free port. Default: none");
+  app.add_option("--fleet", config.fleet,
+                 "nats://HOST:PORT,HOST:PORT of the directory of a fleet, and settings "
+                 "(docs/fleet.md):\n" +
+                     fleet_help());
   app.add_option("--log-format", config.log.format, "text, or json: one object a line")
       ->capture_default_str();
   app.add_option("--log-level", config.log.level, "trace, debug, info, warning, error or off")

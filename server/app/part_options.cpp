@@ -1,8 +1,11 @@
 #include "server/app/part_options.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <asio/ip/address.hpp>
 #include <chrono>
+#include <thread>
 
 #include "protocol/net/busy_poll.hpp"
 #include "protocol/net/udp_socket.hpp"
@@ -46,6 +49,20 @@ SceneHostOptions host_options(const ServerConfig& config) {
   options.busy_poll = busy_poll_time(config.busy_poll);
   options.real_time = config.real_time;
   return options;
+}
+
+SceneLoader::Load loader_of(const ServerConfig& config) {
+  const bool keeps = !config.recording.file.empty() || !config.fleet.empty();
+  return keeps ? load_scene_keep_and_warn : load_scene_and_warn;
+}
+
+void warn_of_spinning(Nanoseconds busy_poll, std::size_t scenes) {
+  const unsigned cores = std::thread::hardware_concurrency();
+  if (busy_poll == kForever && scenes + 1 > cores)
+    spdlog::warn(
+        "{} scenes that never sleep (--busy-poll inf) leave no core of {} to anything else; "
+        "a bounded busy poll does",
+        scenes, cores);
 }
 
 RecorderOptions recorder_options(const ServerConfig& config) {

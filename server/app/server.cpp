@@ -15,6 +15,7 @@
 #include "server/app/page_address.hpp"
 #include "server/app/part_options.hpp"
 #include "server/app/prometheus_metrics.hpp"
+#include "server/app/server_fleet.hpp"
 #include "server/control/control_service.hpp"
 #include "server/recording/recorder.hpp"
 #include "server/scene/scene_ports.hpp"
@@ -26,27 +27,11 @@ using control::RefusalCode;
 using control::Refused;
 namespace {
 
-/// Returns the function that loads scenes. For a recording, it also keeps the scenes' files in
-/// memory.
-SceneLoader::Load loader_of(const ServerConfig& config) {
-  return config.recording.file.empty() ? load_scene_and_warn : load_scene_keep_and_warn;
-}
-
 std::vector<Scene> load_scenes(const ServerConfig& config) {
   validate(config);
   std::vector<Scene> scenes;
   for (const auto& file : config.scenes) scenes.push_back(loader_of(config)(file));
   return scenes;
-}
-
-/// Warns if scenes' threads that never sleep (--busy-poll inf) leave no core for other threads.
-void warn_of_spinning(Nanoseconds busy_poll, std::size_t scenes) {
-  const unsigned cores = std::thread::hardware_concurrency();
-  if (busy_poll == kForever && scenes + 1 > cores)
-    spdlog::warn(
-        "{} scenes that never sleep (--busy-poll inf) leave no core of {} to anything else; "
-        "a bounded busy poll does",
-        scenes, cores);
 }
 
 /// Loads the certificate and the tokens. If there is a live page, adds a token for the link that
@@ -89,6 +74,7 @@ struct Server::Parts {
   std::unique_ptr<web::PageHands> page_hands;  // null: viewers cannot hold a hand
   std::unique_ptr<web::WebServer> web;         // null: there is no live page
   std::unique_ptr<web::WebServer> metrics;     // null: there is no port for the counters alone
+  std::unique_ptr<ServerFleet> fleet;          // null: the server is in no fleet
   const SecurityOptions security_files;
   std::string certificate, client_authorities;  // in use, PEM
   asio::steady_timer look{io};
@@ -119,6 +105,7 @@ struct Server::Parts {
     warn_of_spinning(options.busy_poll, scenes.size());
     if (const RecorderOptions recorded = recorder_options(config); recorded.any())
       recorder = std::make_unique<Recorder>(recorded, scenes);
+    std::vector<LoadedFleetScene> loaded = fleet_scenes(config, scenes);
     for (std::size_t i = 0; i < scenes.size(); ++i) {
       options.socket = sockets[i].release();
       if (recorder != nullptr) options.events = &recorder->log(i);
@@ -127,9 +114,11 @@ struct Server::Parts {
     }
     if (!config.metrics.empty()) open_metrics(config, security);
     if (!config.web.empty()) open_page(config, std::move(security), hands);
+    if (!config.fleet.empty()) open_fleet(config, std::move(loaded));
     // Start the threads only now, because all ports are bound.
     for (auto& host : hosts) host->start();
     if (recorder != nullptr) recorder->start();
+    if (fleet != nullptr) fleet->start();
     control->start();
     if (web != nullptr) web->start();
     if (metrics != nullptr) metrics->start();
@@ -138,6 +127,16 @@ struct Server::Parts {
   }
 
   ~Parts() { stop(); }
+
+  /// Connects to the directory of the fleet.
+  void open_fleet(const ServerConfig& config, std::vector<LoadedFleetScene> loaded) {
+    const auto lost = [this](const std::vector<std::string>& names) {
+      asio::post(io, [this, names] { service.end_sessions(names); });
+    };
+    fleet = std::make_unique<ServerFleet>(
+        config, ServerFleet::Host{control->port(), fingerprint, hosts, std::move(loaded), lost});
+    service.join_fleet(fleet->member());
+  }
 
   /// Opens the live page. If clients must show a certificate, viewers cannot hold a hand, because
   /// the page's hands have no certificate.
@@ -332,6 +331,7 @@ struct Server::Parts {
   }
 
   bool stop() {
+    if (fleet != nullptr) fleet->stop();
     if (metrics != nullptr) metrics->stop();
     if (web != nullptr) web->stop();  // before the hosts, because the page uses them
     page_hands.reset();               // ends their sessions

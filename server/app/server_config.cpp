@@ -21,6 +21,7 @@
 #include "protocol/session/profiles.hpp"
 #include "protocol/wire/control.hpp"
 #include "server/app/config_options.hpp"
+#include "server/app/fleet_settings.hpp"
 #include "server/scene/slow_down.hpp"
 #include "server/web/authority.hpp"
 
@@ -143,6 +144,11 @@ Complaint complaint(const ServerConfig& c) {
   if (auto wrong = wrong_web_name(c.web_names))
     return complaint_of("--web-name", *std::move(wrong));
   if (auto wrong = recording_complaint(c)) return wrong;
+  try {
+    if (!c.fleet.empty()) fleet_settings(c);
+  } catch (const std::invalid_argument& wrong) {
+    return wrong.what();
+  }
   if (find_named(kLogFormats, c.log.format) == nullptr)
     return complaint_of("--log-format",
                         "'" + c.log.format + "' is none of " + joined_names(kLogFormats, ", "));

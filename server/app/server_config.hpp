@@ -57,6 +57,7 @@ struct ServerConfig : SecurityOptions {
   std::vector<std::string> web_names;  // host names that browsers may use for the page
   RecordingConfig recording;
   bool demo = false;  // two simulated hands in each scene (server/app/demo_hands.hpp)
+  std::string fleet;  // directory and settings (server/app/fleet_settings.hpp); empty: no fleet
   int web_hands = 4;  // sessions of role pointer: hands that viewers of the page hold, at once
   LogConfig log;
 };

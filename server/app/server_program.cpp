@@ -23,6 +23,7 @@
 #include "protocol/command_line/command_error.hpp"
 #include "protocol/crypto/secret.hpp"
 #include "server/app/demo_hands.hpp"
+#include "server/app/fleet_command.hpp"
 #include "server/app/health.hpp"
 #include "server/app/known_scenes.hpp"
 #include "server/app/log_format.hpp"
@@ -213,6 +214,7 @@ int server_program(int argc, char** argv, const web::MakePageHands& make_page_ha
   forbid_core_dumps();
   end_without_random_numbers();
   if (argc > 1 && std::string_view(argv[1]) == "token") return token_command(argc - 1, argv + 1);
+  if (argc > 1 && std::string_view(argv[1]) == "fleet") return fleet_command(argc - 1, argv + 1);
   try {
     const ServerTask asked = server_task(argc, argv);
     const ServerConfig& config = asked.config;

@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "core/base/token_text.hpp"
@@ -65,6 +67,7 @@ void ControlService::handle(ControlPeer& peer, control::Message request, Control
       return asked.answer(*std::move(refused));
     return asked.answer(list_scenes(*token));
   }
+  if (auto refused = refuse_elsewhere(request)) return asked.answer(*std::move(refused));
   if (admins_.handle(asked, request)) return;
   asked.answer(Refused{RefusalCode::malformed, "this message is an answer, not a request"});
 }
@@ -97,8 +100,8 @@ control::Message ControlService::authenticate(ControlPeer& peer,
   return request_limits_.refuse(RefusalCode::unauthenticated, kNoGoodToken);
 }
 
-std::optional<Refused> ControlService::refuse_join(const Token& token,
-                                                   const control::JoinRequest& request) {
+std::optional<Refused> ControlService::refuse_token(const Token& token,
+                                                    const control::JoinRequest& request) {
   if (!covers(token.role, request.role))
     return request_limits_.refuse(RefusalCode::forbidden,
                                   "this token is for " + holder(token.role) +
@@ -115,7 +118,48 @@ std::optional<Refused> ControlService::refuse_join(const Token& token,
   if (!token.seat.empty() && !request.seat.empty() && request.seat != token.seat)
     return request_limits_.refuse(RefusalCode::forbidden, "this token is for the seat '" +
                                                               token.seat + "'; leave out --seat");
-  if (auto refused = request_limits_.check_joins(token.client)) return refused;
+  return request_limits_.check_joins(token.client);
+}
+
+/// Returns who serves the scene. Without a fleet, every scene of this server is served here.
+FleetMember::Answer ControlService::ask_fleet(const PendingRequest& asked,
+                                              const control::JoinRequest& request) {
+  if (fleet_ != nullptr) {
+    const bool v6 = asked.peer.address.is_v6() && !asked.peer.address.to_v6().is_v4_mapped();
+    const auto date = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+    if (auto answer = fleet_->answer({.scene = request.scene,
+                                      .client = asked.token.client,
+                                      .role = request.role,
+                                      .seen = request.epoch,
+                                      .ticket = request.ticket,
+                                      .follows_redirects = request.follows_redirects,
+                                      .ipv6 = v6},
+                                     monotonic_now(), date))
+      return *std::move(answer);
+  }
+  if (!request.ticket.empty())
+    return request_limits_.refuse(RefusalCode::bad_ticket,
+                                  "this server is in no fleet that serves the scene");
+  return FleetMember::Seat{};
+}
+
+/// Refuses an admin's change of a scene that another host of the fleet serves.
+std::optional<Refused> ControlService::refuse_elsewhere(const control::Message& request) {
+  if (fleet_ == nullptr) return std::nullopt;
+  std::string_view scene;
+  if (const auto* reload = std::get_if<control::ReloadScene>(&request)) scene = reload->scene;
+  if (const auto* material = std::get_if<control::SetMaterial>(&request)) scene = material->scene;
+  if (const auto* gravity = std::get_if<control::SetGravity>(&request)) scene = gravity->scene;
+  if (scene.empty()) return std::nullopt;
+  const auto host = fleet_->elsewhere(scene);
+  if (!host) return std::nullopt;
+  return request_limits_.refuse(
+      RefusalCode::not_supported,
+      "scene '" + std::string(scene) + "' is served by " + *host + "; ask that host");
+}
+
+std::optional<Refused> ControlService::refuse_join(const Token& token,
+                                                   const control::JoinRequest& request) {
   const std::size_t scene = index_of_scene(hosts_, request.scene);
   if (scene == hosts_.size()) return unknown_scene(request.scene);
   if (request.role != Role::observer &&
@@ -145,13 +189,22 @@ std::optional<Refused> ControlService::refuse_pointer(const control::JoinRequest
 void ControlService::join(PendingRequest asked, control::JoinRequest request) {
   const std::string who = visible(request.client + " (" + request.device.name + ", client " +
                                   asked.token.client + ", token " + asked.token.id + ")");
-  if (const auto refused = refuse_join(asked.token, request)) {
-    // Limit these log lines: a client may be refused a thousand times a second.
-    if (refused_lines_.take(asked.token.client, monotonic_now()))
-      spdlog::warn("{} could not join scene {}: {}", who, visible(request.scene),
-                   visible(refused->reason));
-    return asked.answer(*refused);
+  if (const auto refused = refuse_token(asked.token, request))
+    return refuse(asked, request, who, *refused);
+  FleetMember::Answer fleet = ask_fleet(asked, request);
+  if (const auto* refused = std::get_if<Refused>(&fleet))
+    return refuse(asked, request, who, *refused);
+  if (auto* redirected = std::get_if<control::Redirected>(&fleet)) {
+    spdlog::info("{} is sent to {} port {} for scene {}", who, redirected->host.address,
+                 redirected->host.port, visible(request.scene));
+    return asked.answer(std::move(*redirected));
   }
+  if (const auto refused = refuse_join(asked.token, request))
+    return refuse(asked, request, who, *refused);
+  // The scene's thread and the recordings need nothing of the fleet.
+  request.ticket.clear();
+  request.epoch = {};
+  request.follows_redirects = false;
   const std::size_t scene = index_of_scene(hosts_, request.scene);
   const std::uint64_t id = new_session_id(scene);
   const CipherSuite suite = request.aes_256_gcm && has_aes_256_gcm()
@@ -171,11 +224,14 @@ void ControlService::join(PendingRequest asked, control::JoinRequest request) {
   if (!asked.token.seat.empty()) request.seat = asked.token.seat;
   request.lead_share = covers(request.role, Role::operator_) ? asked.token.lead_share : 0.0;
   const auto finish = [this, id, scene, keys, who, version = visible(request.version),
+                       seat = std::get<FleetMember::Seat>(std::move(fleet)),
                        answer = std::move(asked.answer)](control::Message message) {
     const std::string& scene_name = hosts_[scene]->name();
     if (auto* accepted = std::get_if<control::JoinAccepted>(&message)) {
       accepted->port_offset = port_offset(hosts_, scene);
       put_keys(keys, *accepted);
+      accepted->epoch = seat.epoch;
+      accepted->hosts = seat.hosts;
       if (ListedSession* seated = directory_.find(id)) seated->parameters = accepted->parameters;
       spdlog::info("{} joined scene {} with feltwire {}", who, scene_name,
                    version.empty() ? "of no known version" : version);
@@ -192,6 +248,16 @@ void ControlService::join(PendingRequest asked, control::JoinRequest request) {
     directory_.erase(id);
     throw;
   }
+}
+
+/// Logs and answers the refusal of a join.
+void ControlService::refuse(PendingRequest& asked, const control::JoinRequest& request,
+                            const std::string& who, const Refused& refused) {
+  // Limit these log lines: a client may be refused a thousand times a second.
+  if (refused_lines_.take(asked.token.client, monotonic_now()))
+    spdlog::warn("{} could not join scene {}: {}", who, visible(request.scene),
+                 visible(refused.reason));
+  asked.answer(refused);
 }
 
 /// Sends a request that changes a session to the scene's thread, within the client's rate limit.
@@ -286,6 +352,11 @@ void ControlService::look_after() {
                  visible(seated.client), seated.token);
     hosts_[seated.scene]->evict(id);
   }
+}
+
+void ControlService::end_sessions(const std::vector<std::string>& scenes) {
+  for (const auto& [id, seated] : directory_.sessions())
+    if (std::ranges::count(scenes, seated.scene_name) > 0) hosts_[seated.scene]->evict(id);
 }
 
 void ControlService::forget(const std::vector<EndedSession>& sessions) {

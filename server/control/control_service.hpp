@@ -17,6 +17,7 @@
 #include "server/control/request_limits.hpp"
 #include "server/control/scene_hosts.hpp"
 #include "server/control/session_directory.hpp"
+#include "server/fleet_host/fleet_member.hpp"
 
 namespace feltwire {
 
@@ -28,12 +29,18 @@ class ControlService {
   ControlService(asio::io_context& io, SceneHosts& hosts, TokenFile tokens,
                  const ServiceLimits& limits, AdminService::Callbacks callbacks);
 
+  /// The server is a host of this fleet, which outlives this. Call it before the first request.
+  void join_fleet(FleetMember& fleet) { fleet_ = &fleet; }
+
   /// A ControlHandler.
   void handle(ControlPeer& peer, control::Message request, ControlAnswer answer);
 
   /// Call it once a second. It reads changed tokens again, evicts the sessions of tokens that are
   /// revoked or have expired, and frees what belongs to scenes that were loaded again.
   void look_after();
+
+  /// Ends the sessions of scenes that other hosts of the fleet serve now.
+  void end_sessions(const std::vector<std::string>& scenes);
 
   /// Takes the sessions that the hosts report as ended.
   void forget(const std::vector<EndedSession>& sessions);
@@ -43,8 +50,14 @@ class ControlService {
  private:
   control::Message authenticate(ControlPeer& peer, const control::Authenticate& shown);
   void join(PendingRequest asked, control::JoinRequest request);
+  std::optional<control::Refused> refuse_token(const Token& token,
+                                               const control::JoinRequest& request);
   std::optional<control::Refused> refuse_join(const Token& token,
                                               const control::JoinRequest& request);
+  FleetMember::Answer ask_fleet(const PendingRequest& asked, const control::JoinRequest& request);
+  std::optional<control::Refused> refuse_elsewhere(const control::Message& request);
+  void refuse(PendingRequest& asked, const control::JoinRequest& request, const std::string& who,
+              const control::Refused& refused);
   std::optional<control::Refused> refuse_pointer(const control::JoinRequest& request);
   void change_session(PendingRequest asked, std::uint64_t session, control::Message request);
   void pass_on(PendingRequest asked, std::uint64_t session, control::Message request);
@@ -66,7 +79,8 @@ class ControlService {
   RateLimit<std::string> refused_lines_{1.0, 20.0};  // by client, for the log: joins refused
   SessionDirectory directory_;
   AdminService admins_;
-  std::random_device random_;  // of the operating system
+  FleetMember* fleet_ = nullptr;  // null: the server is in no fleet
+  std::random_device random_;     // of the operating system
 };
 
 }  // namespace feltwire

@@ -1,7 +1,11 @@
 #include "server/fleet/record_codec.hpp"
 
-#include <algorithm>
+#include <sodium.h>
 
+#include <algorithm>
+#include <array>
+
+#include "core/base/little_endian.hpp"
 #include "server/fleet/fleet_generated.h"
 
 namespace feltwire {
@@ -42,6 +46,14 @@ const Table* verified(std::string_view bytes, std::vector<std::uint64_t>& aligne
 
 }  // namespace
 
+std::uint64_t scene_tag(std::string_view name, const SceneDigest& digest) {
+  std::string text(digest.begin(), digest.end());
+  text += name;
+  std::array<std::uint8_t, crypto_hash_sha256_BYTES> hash;
+  crypto_hash_sha256(hash.data(), reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+  return get_little_endian<std::uint64_t>(hash.data());
+}
+
 std::string encode(const SceneRecord& record) {
   flatbuffers::FlatBufferBuilder builder;
   const auto owner = write_host(builder, record.owner);
@@ -66,9 +78,10 @@ std::string encode(const HostRecord& record) {
     keys.insert(keys.end(), key.begin(), key.end());
   const auto ticket_keys = builder.CreateVector(keys);
   const auto free_shares = builder.CreateVector(record.free_shares);
+  const auto scenes = record.scenes.empty() ? 0 : builder.CreateVector(record.scenes);
   builder.Finish(fleet_file::CreateHeartbeat(
       builder, host, record.beat, addresses, record.control_port, fingerprint, version, rack,
-      ticket_keys, free_shares, record.hands, record.late_p99_us, record.draining));
+      ticket_keys, free_shares, record.hands, record.late_p99_us, record.draining, scenes));
   return text_of(builder);
 }
 
@@ -107,6 +120,8 @@ std::optional<HostRecord> decode_host_record(std::string_view bytes) {
   record.hands = beat->hands();
   record.late_p99_us = beat->late_p99_us();
   record.draining = beat->draining();
+  if (beat->scenes() != nullptr)
+    record.scenes.assign(beat->scenes()->begin(), beat->scenes()->end());
   if (record.host.number == 0 || !read_bytes(*beat->fingerprint(), record.fingerprint))
     return std::nullopt;
   return record;

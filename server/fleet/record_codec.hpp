@@ -13,6 +13,10 @@ namespace feltwire {
 /// value must not harm the reader.
 inline constexpr std::size_t kMaxRecord = 8192;  // [bytes]
 
+/// The number that a heartbeat has of a scene: hosts with the same number have the same files of
+/// it.
+std::uint64_t scene_tag(std::string_view name, const SceneDigest& digest);
+
 std::string encode(const SceneRecord& record);
 std::string encode(const HostRecord& record);
 

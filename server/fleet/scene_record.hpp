@@ -74,8 +74,9 @@ struct HostRecord {
   std::vector<paseto::PublicKey> ticket_keys;  // that sign its tickets: one or two
   std::vector<std::uint8_t> free_shares;       // [%] of each pinned core, what scenes do not use
   std::uint32_t hands = 0;
-  std::uint32_t late_p99_us = 0;  // [us] the 99th percentile of late answers
-  bool draining = false;          // takes no further scene
+  std::uint32_t late_p99_us = 0;           // [us] the 99th percentile of late answers
+  bool draining = false;                   // takes no further scene
+  std::vector<std::uint64_t> scenes = {};  // scene_tag() of each scene that it could serve
 
   friend bool operator==(const HostRecord&, const HostRecord&) = default;
 };

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 namespace feltwire {
 namespace {

@@ -1,28 +1,13 @@
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "protocol/crypto/secret.hpp"
 #include "server/fleet/directory.hpp"
+#include "server/fleet/nats_options.hpp"
 
 namespace feltwire {
-
-/// How a host reaches the NATS servers of its fleet. Both ends show a certificate of the fleet's
-/// authority, and the host also gives a user and a password.
-struct NatsOptions {
-  std::vector<std::string> servers;        // tls://HOST:PORT
-  std::filesystem::path authority;         // PEM, of the servers' certificates
-  std::filesystem::path certificate, key;  // PEM, of this host
-  std::string user;
-  Secret password;
-  int replicas = 3;  // of each bucket: as many servers as there are, 5 at most
-  Nanoseconds patience = std::chrono::seconds(1);  // for each answer
-  Nanoseconds open = std::chrono::seconds(30);     // until the servers answer at the start
-};
 
 /// A directory in the JetStream key-value buckets `feltwire_hosts` (in memory; a key disappears
 /// silently 60 s after its last write) and `feltwire_scenes` (in files). The first host makes them.

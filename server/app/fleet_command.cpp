@@ -1,0 +1,132 @@
+#include "server/app/fleet_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/base/visible_text.hpp"
+#include "protocol/command_line/command_error.hpp"
+#include "protocol/command_line/suggestion.hpp"
+#include "server/app/fleet_settings.hpp"
+#include "server/app/server_config.hpp"
+#include "server/app/token_command.hpp"
+#include "server/fleet/record_codec.hpp"
+#include "server/fleet_host/fleet_member.hpp"
+
+namespace feltwire {
+namespace {
+
+constexpr const char* kFleetExamples = R"(
+Example:
+  feltwire-server fleet status --fleet nats://n1:4222,n2:4222,n3:4222,keys=/etc/feltwire/fleet
+      the hosts and scenes of the fleet; takes three seconds, to see which hosts live)";
+
+template <class Record>
+using Records = std::map<std::string, Record>;
+
+std::vector<DirectoryEntry> entries_of(Directory& directory, Bucket bucket) {
+  auto entries = directory.list(bucket);
+  if (!entries) throw std::runtime_error("the directory gives no answer; is a majority of it up?");
+  return *std::move(entries);
+}
+
+Records<HostRecord> hosts_of(Directory& directory) {
+  Records<HostRecord> hosts;
+  for (const DirectoryEntry& entry : entries_of(directory, Bucket::hosts))
+    if (auto record = decode_host_record(entry.value)) hosts.emplace(entry.key, *std::move(record));
+  return hosts;
+}
+
+Records<SceneRecord> scenes_of(Directory& directory) {
+  Records<SceneRecord> scenes;
+  for (const DirectoryEntry& entry : entries_of(directory, Bucket::scenes))
+    if (const auto record = decode_scene_record(entry.value)) scenes.emplace(entry.key, *record);
+  return scenes;
+}
+
+/// Whether the host has announced itself again between the two lists.
+bool lives(const Records<HostRecord>& before, const HostRecord& now) {
+  const auto found = before.find(now.host.name);
+  return found == before.end() || found->second.host != now.host || found->second.beat < now.beat;
+}
+
+std::string place_of(const HostRecord& host) {
+  if (host.addresses.empty()) return "-";
+  const std::string& address = host.addresses.front();
+  const bool v6 = address.find(':') != std::string::npos;
+  return (v6 ? "[" + address + "]" : address) + ":" + std::to_string(host.control_port);
+}
+
+std::string name_of(const HostName& host) {
+  return host.number != 0 ? visible(host.name) : std::string("-");
+}
+
+void show(Directory& directory) {
+  const Records<HostRecord> before = hosts_of(directory);
+  std::this_thread::sleep_for(kBeat + kBeat / 2);
+  const Records<HostRecord> hosts = hosts_of(directory);
+  const Records<SceneRecord> scenes = scenes_of(directory);
+  std::printf("%-20s  %-7s  %-28s  %-6s  %-6s  %s\n", "host", "state", "address", "hands", "scenes",
+              "version");
+  for (const auto& [name, host] : hosts) {
+    const auto served = std::ranges::count_if(
+        scenes, [&](const auto& entry) { return entry.second.owner == host.host; });
+    const char* const state = !lives(before, host) ? "silent" : host.draining ? "drains" : "lives";
+    std::printf("%-20s  %-7s  %-28s  %-6u  %-6td  %s\n", visible(name).c_str(), state,
+                visible(place_of(host)).c_str(), host.hands, served, visible(host.version).c_str());
+  }
+  std::printf("\n%-20s  %-20s  %-6s  %s\n", "scene", "served by", "term", "standby");
+  for (const auto& [name, scene] : scenes) {
+    const auto owner = hosts.find(scene.owner.name);
+    const bool there = owner != hosts.end() && owner->second.host == scene.owner;
+    std::printf("%-20s  %-20s  %-6llu  %s\n", visible(name).c_str(),
+                (name_of(scene.owner) + (there ? "" : " (gone)")).c_str(),
+                static_cast<unsigned long long>(scene.version.epoch.term),
+                name_of(scene.standby).c_str());
+  }
+}
+
+}  // namespace
+
+int fleet_command(int argc, char** argv) {
+  CLI::App app("Shows a fleet of servers", "feltwire-server fleet");
+  app.footer(kFleetExamples);
+  app.require_subcommand(1);
+  ServerConfig given;
+  std::string config_file;
+  CLI::App* status = app.add_subcommand("status", "Show the hosts and the scenes");
+  status->add_option("--fleet", given.fleet, "The directory, as the servers' --fleet")
+      ->envname("FELTWIRE_SERVER_FLEET");
+  status->add_option("--config", config_file, "Configuration file of a server");
+  status->add_option("--state", given.state, "State folder of a server")
+      ->envname("FELTWIRE_SERVER_STATE");
+  try {
+    app.parse(argc, argv);
+    ServerConfig config = config_file.empty() ? given : load_config(config_file);
+    if (!given.fleet.empty()) config.fleet = given.fleet;
+    if (!given.state.empty()) config.state = given.state;
+    if (config.fleet.empty())
+      throw std::invalid_argument("no fleet is named; give --fleet nats://HOST:PORT");
+    show(*open_fleet_directory(fleet_settings(config)));
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    std::fprintf(stderr, "feltwire-server fleet: %s (see --help)\n",
+                 printable_error(error.what() + advice(error, app)).c_str());
+    return kBadUsage;
+  } catch (const std::invalid_argument& error) {
+    std::fprintf(stderr, "feltwire-server fleet: %s\n", printable_error(error.what()).c_str());
+    return kBadUsage;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "feltwire-server fleet: %s\n", printable_error(error.what()).c_str());
+    return kCannotRun;
+  }
+}
+
+}  // namespace feltwire

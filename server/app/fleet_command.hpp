@@ -1,0 +1,8 @@
+#pragma once
+
+namespace feltwire {
+
+/// `feltwire-server fleet ...`: shows a fleet as its directory has it. Returns the exit status.
+int fleet_command(int argc, char** argv);
+
+}  // namespace feltwire

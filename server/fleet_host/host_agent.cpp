@@ -1,0 +1,182 @@
+#include "server/fleet_host/host_agent.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <asio/ip/address.hpp>
+#include <random>
+#include <system_error>
+#include <utility>
+
+#include "core/base/visible_text.hpp"
+#include "protocol/net/clock.hpp"
+#include "server/fleet/record_codec.hpp"
+#include "server/fleet_host/key_file.hpp"
+#include "server/fleet_host/server_answers.hpp"
+
+namespace feltwire {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Nanoseconds kBetweenLooks = 20ms, kWatchPatience = 1ms;
+constexpr Nanoseconds kBetweenLists = 30s;  // a watch may miss a change
+constexpr Nanoseconds kWriteAgain = 1s;     // after a write without an answer
+constexpr Nanoseconds kKeyLife = 24h;       // of the key that signs
+constexpr Nanoseconds kAnnounced = 60s;     // until all hosts know the next key
+constexpr std::chrono::milliseconds kProbe{500};
+constexpr int kProbes = 2;  // without an answer: the host is gone
+
+bool answers(const FleetMember::Suspect& suspect) {
+  if (suspect.port == 0) return false;
+  std::error_code wrong;
+  const auto address = asio::ip::make_address(suspect.address, wrong);
+  if (wrong) return false;
+  for (int i = 0; i < kProbes; ++i)
+    if (!silence_of({address, suspect.port}, kProbe, suspect.fingerprint)) return true;
+  return false;
+}
+
+}  // namespace
+
+HostAgent::HostAgent(std::shared_ptr<Directory> directory, FleetMember& member,
+                     AgentCallbacks callbacks, std::filesystem::path keys)
+    : directory_(std::move(directory)),
+      member_(member),
+      callbacks_(std::move(callbacks)),
+      keys_(std::move(keys)) {}
+
+HostAgent::~HostAgent() { stop(); }
+
+void HostAgent::start() {
+  hosts_ = directory_->watch(Bucket::hosts);
+  scenes_ = directory_->watch(Bucket::scenes);
+  next_key_ = monotonic_now() + kKeyLife;
+  thread_ = std::thread([this] { run(); });
+}
+
+void HostAgent::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  woken_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+bool HostAgent::ended() {
+  std::unique_lock lock(mutex_);
+  return woken_.wait_for(lock, kBetweenLooks, [this] { return stop_; });
+}
+
+void HostAgent::run() {
+  while (!ended()) try {
+      look(monotonic_now());
+    } catch (const std::exception& error) {
+      spdlog::error("fleet: {}; it goes on", visible(error.what()));
+    }
+}
+
+/// Does one round. A call of the directory may wait for its patience, so suspects are asked between
+/// the calls: a takeover waits for one call at most.
+void HostAgent::look(Nanoseconds now) {
+  ask_suspects();
+  read(Bucket::hosts, *hosts_);
+  read(Bucket::scenes, *scenes_);
+  if (auto lost = member_.take_lost(); !lost.empty()) {
+    for (const std::string& scene : lost)
+      spdlog::warn("fleet: another host serves scene {} now", visible(scene));
+    callbacks_.lost(std::move(lost));
+  }
+  ask_suspects();
+  if (now >= next_beat_) beat(now);
+  ask_suspects();
+  if (now >= next_list_) list(now);
+  if (now >= next_write_) write(now);
+  if (now >= next_key_ && !keys_.empty()) change_keys(now);
+}
+
+void HostAgent::beat(Nanoseconds now) {
+  next_beat_ = now + kBeat;
+  const HostRecord record = member_.heartbeat(callbacks_.load());
+  const WriteAnswer answer = directory_->put(Bucket::hosts, record.host.name, encode(record));
+  const bool silent = answer.result != WriteResult::written;
+  if (!silent) member_.heard(monotonic_now());
+  if (std::exchange(silent_, silent) == silent) return;
+  if (silent) {
+    spdlog::warn("fleet: the directory does not answer; sessions, joins and takeovers go on");
+  } else {
+    spdlog::info("fleet: the directory answers again");
+  }
+}
+
+void HostAgent::read(Bucket bucket, DirectoryWatch& watch) {
+  constexpr int kMost = 10'000;  // in one round
+  for (int i = 0; i < kMost; ++i) {
+    const auto entry = watch.next(kWatchPatience);
+    if (!entry) return;
+    member_.see(bucket, *entry, monotonic_now());
+  }
+}
+
+void HostAgent::list(Nanoseconds now) {
+  next_list_ = now + kBeat;  // if there is no answer
+  const auto scenes = directory_->list(Bucket::scenes);
+  if (!scenes) return;
+  const auto hosts = directory_->list(Bucket::hosts);
+  if (!hosts) return;
+  for (const DirectoryEntry& entry : *scenes) member_.see(Bucket::scenes, entry, monotonic_now());
+  for (const DirectoryEntry& entry : *hosts) member_.see(Bucket::hosts, entry, monotonic_now());
+  member_.listed();
+  next_list_ = now + kBetweenLists;
+}
+
+void HostAgent::write(Nanoseconds now) {
+  static thread_local std::random_device random;
+  for (const FleetMember::Write& write : member_.writes(now, random())) {
+    const WriteAnswer answer = directory_->compare_and_swap(Bucket::scenes, write.scene,
+                                                            encode(write.record), write.revision);
+    member_.finish(write, answer);
+    ask_suspects();
+    if (answer.result == WriteResult::unknown) {
+      next_write_ = monotonic_now() + kWriteAgain;
+      return;
+    }
+    if (answer.result == WriteResult::conflict) {
+      next_list_ = Nanoseconds(0);  // learn what the directory has
+      continue;
+    }
+    if (write.claims)
+      spdlog::info("fleet: this host serves scene {} from now on, in term {}", visible(write.scene),
+                   write.record.version.epoch.term);
+  }
+}
+
+void HostAgent::ask_suspects() {
+  while (const auto suspect = member_.suspect(monotonic_now())) {
+    const bool alive = answers(*suspect);
+    if (!alive) spdlog::warn("fleet: host {} gives no answer", visible(suspect->host.name));
+    for (const std::string& scene : member_.probed(suspect->host, alive))
+      spdlog::info("fleet: this host has taken over scene {}", visible(scene));
+  }
+}
+
+/// Announces the next key, and lets it sign when every host knows it.
+void HostAgent::change_keys(Nanoseconds now) {
+  std::vector<paseto::SigningKey> keys = ticket_keys(keys_);
+  if (!std::exchange(announced_, true)) {
+    keys.resize(1, keys.front());
+    keys.push_back(paseto::SigningKey::random());
+    write_ticket_keys(keys_, keys);
+    member_.announce(keys.back());
+    next_key_ = now + kAnnounced;
+    return;
+  }
+  std::swap(keys.front(), keys.back());
+  write_ticket_keys(keys_, keys);
+  member_.change_key();
+  announced_ = false;
+  next_key_ = now + kKeyLife;
+  spdlog::info("fleet: tickets are signed with the next key");
+}
+
+}  // namespace feltwire

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <condition_variable>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/fleet/directory.hpp"
+#include "server/fleet_host/fleet_member.hpp"
+
+namespace feltwire {
+
+/// The questions and news of an agent for its server. It calls them on its own thread.
+struct AgentCallbacks {
+  std::function<FleetMember::Load()> load;
+  /// Other hosts serve these scenes now: their sessions here must end.
+  std::function<void(std::vector<std::string> scenes)> lost;
+};
+
+/// The thread of a host that talks to the directory of its fleet: it announces the host, watches,
+/// claims scenes, names standbys, takes over the scenes of hosts that are gone, and changes the
+/// keys of tickets. No session and no join waits for it. While the directory does not answer it
+/// tries again and again, and scenes are still taken over.
+class HostAgent {
+ public:
+  /// `keys`: the file of ticket_keys(), for their change; empty: they do not change.
+  HostAgent(std::shared_ptr<Directory> directory, FleetMember& member, AgentCallbacks callbacks,
+            std::filesystem::path keys = {});
+  /// stop().
+  ~HostAgent();
+  HostAgent(const HostAgent&) = delete;
+  HostAgent& operator=(const HostAgent&) = delete;
+
+  /// Starts the thread. Call it once.
+  void start();
+  /// Waits for the thread, which may wait for an answer of the directory. May be called again.
+  void stop();
+
+ private:
+  void run();
+  void look(Nanoseconds now);
+  void beat(Nanoseconds now);
+  void read(Bucket bucket, DirectoryWatch& watch);
+  void list(Nanoseconds now);
+  void write(Nanoseconds now);
+  void ask_suspects();
+  void change_keys(Nanoseconds now);
+  bool ended();
+
+  std::shared_ptr<Directory> directory_;
+  FleetMember& member_;
+  AgentCallbacks callbacks_;
+  std::filesystem::path keys_;
+  std::unique_ptr<DirectoryWatch> hosts_, scenes_;
+  Nanoseconds next_beat_{0}, next_list_{0}, next_write_{0}, next_key_{0};
+  bool announced_ = false;  // the next key is known to the other hosts, and does not sign yet
+  bool silent_ = false;     // the directory has not answered, and the log says so
+  std::mutex mutex_;
+  std::condition_variable woken_;
+  bool stop_ = false;  // guarded by mutex_
+  std::thread thread_;
+};
+
+}  // namespace feltwire
