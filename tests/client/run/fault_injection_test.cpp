@@ -221,11 +221,12 @@ TEST(FaultInjection, EachAllocationOfAnAttemptToJoinFailsAndItIsTriedAgain) {
     Ring<SessionAddress> sessions(2);
     Reconnector reconnector(peer.access(), anyone(), sessions, {.timeout = 10s});
     failed_once.store(false);
+    reconnector.look(false, Reconnector::Clock::time_point{} + 1h);  // draws the first wait
     left_of_new_threads.store(nth);
-    reconnector.look(false, Reconnector::Clock::time_point{} + 1h);
+    reconnector.look(false, Reconnector::Clock::time_point{} + 2h);
     left_of_new_threads.store(kNever);
     while (reconnector.asking()) {
-      reconnector.look(false, Reconnector::Clock::time_point{} + 1h);
+      reconnector.look(false, Reconnector::Clock::time_point{} + 2h);
       std::this_thread::yield();
     }
     ASSERT_EQ(reconnector.refusal(), "") << nth;
@@ -240,6 +241,7 @@ TEST(FaultInjection, AnAttemptThatGetsNoThreadIsTriedAgain) {
   Ring<SessionAddress> sessions(2);
   Reconnector reconnector(nobody(), anyone(), sessions);
   Reconnector::Clock::time_point now{};
+  reconnector.look(false, now);  // draws the first wait
   for (std::uint64_t n = 1; n <= 3; ++n) {
     threads_refused.store(1);
     reconnector.look(false, now += 1h);

@@ -126,9 +126,10 @@ TEST(LyingServer, ASessionJoinedAnewHasTheParametersOfTheOneBefore) {
     ControlPeer peer(control::encode(offer(change.granted)));
     Ring<SessionAddress> sessions(2);
     Reconnector reconnector(peer.access(), request(change.asked), sessions, {.timeout = 10s});
-    reconnector.look(false, Reconnector::Clock::time_point(1h));
+    reconnector.look(false, Reconnector::Clock::time_point(1h));  // draws the first wait
+    reconnector.look(false, Reconnector::Clock::time_point(2h));
     while (reconnector.asking()) {
-      reconnector.look(false, Reconnector::Clock::time_point(1h));
+      reconnector.look(false, Reconnector::Clock::time_point(2h));
       std::this_thread::yield();
     }
     EXPECT_THAT(reconnector.refusal(), HasSubstr(difference(change.asked, change.granted).value()));

@@ -90,7 +90,7 @@ TEST(ControlBadInput, ChoicesThatAreNoneAreRefused) {
     sealed.suite = static_cast<CipherSuite>(suite);
     EXPECT_FALSE(decode(body(encode(sealed)))) << suite;
   }
-  EXPECT_FALSE(decode(body(encode(Refused{static_cast<RefusalCode>(14), "x"}))));
+  EXPECT_FALSE(decode(body(encode(Refused{static_cast<RefusalCode>(15), "x"}))));
 }
 
 /// A list may point to one entry many times. A small frame would then decode to an enormous list.

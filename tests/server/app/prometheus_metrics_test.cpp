@@ -56,11 +56,26 @@ TEST(Metrics, HaveEachCounterOfTheSummary) {
   scene.scene = "room";
   std::uint64_t next = 1000;
   SceneCounters& c = scene.counters;
-  for (std::uint64_t* counter :
-       {&c.sessions_served, &c.left, &c.silent, &c.flooded, &c.forged, &c.evicted, &c.disturbing,
-        &c.failed, &c.datagrams, &c.late_goodbyes, &c.samples.samples, &c.samples.replies,
-        &c.samples.withheld, &c.samples.gaps, &c.samples.missed, &c.samples.duplicates,
-        &c.samples.late_ticks, &c.shed, &scene.unsent})
+  for (std::uint64_t* counter : {&c.sessions_served,
+                                 &c.left,
+                                 &c.silent,
+                                 &c.flooded,
+                                 &c.forged,
+                                 &c.evicted,
+                                 &c.disturbing,
+                                 &c.failed,
+                                 &c.datagrams,
+                                 &c.late_goodbyes,
+                                 &c.samples.samples,
+                                 &c.samples.replies,
+                                 &c.samples.withheld,
+                                 &c.samples.gaps,
+                                 &c.samples.missed,
+                                 &c.samples.duplicates,
+                                 &c.samples.late_ticks,
+                                 &c.shed,
+                                 &c.slowed,
+                                 &scene.unsent})
     *counter = ++next;
   ControlSummary control;
   for (std::uint64_t* counter : {&control.connections.accepted, &control.connections.too_often,
