@@ -14,12 +14,13 @@
 
 namespace feltwire::test {
 
-/// A hand that moves into the floor and out of it, four times a second.
+/// A hand that moves into the floor and out of it. Its rate has no simple ratio to that of the
+/// statuses (4 Hz), so that they see all of its movement.
 class DippingDevice final : public Device {
  public:
   const DeviceSpec& spec() const override { return spec_; }
   DeviceReading read(Nanoseconds now) noexcept override {
-    constexpr double kDepth = 0.002, kRate = 4.0;  // [m], [1/s]
+    constexpr double kDepth = 0.002, kRate = 3.3;  // [m], [1/s]
     if (begun_.count() == 0) begun_ = now;
     const double turns = kRate * 1e-9 * static_cast<double>((now - begun_).count());
     DeviceReading reading;

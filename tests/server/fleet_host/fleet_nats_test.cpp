@@ -1,0 +1,162 @@
+// Programs feltwire-server in a fleet on real NATS servers, and hands by the client library. Hosts
+// and directories are killed.
+
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <fstream>
+
+#include "core/base/pending_file.hpp"
+#include "tests/server/fleet_host/fleet_hand.hpp"
+#include "tests/server/nats_directory/nats_servers.hpp"
+#include "tests/support/eventually.hpp"
+#include "tests/support/security.hpp"
+
+namespace feltwire::fleet_nats_test {
+namespace {
+
+using test::eventually;
+using test::FleetHand;
+using test::NatsServers;
+using test::TemporaryFolder;
+
+constexpr const char* kScene = R"({
+  "name": "floor",
+  "materials": [{ "name": "soft", "stiffness": 500 }],
+  "objects": [{ "name": "floor", "plane": {}, "material": "soft" }]
+})";
+
+/// The things that the hosts of a fleet share: the directory, the scene and the tokens.
+struct Fleet {
+  NatsServers directory;
+  TemporaryFolder folder;
+
+  explicit Fleet(int servers) : directory(servers) {
+    replace_file(folder / "floor.json", kScene, kPublic);
+    change_tokens(folder / "tokens.json",
+                  [](Tokens& tokens) { tokens.push_back(test::admin_token().token); });
+  }
+};
+
+/// A program feltwire-server with a certificate of its own.
+class Host {
+ public:
+  Host(const Fleet& fleet, const std::string& name) {
+    const NatsOptions options = fleet.directory.options();
+    const std::filesystem::path state = fleet.folder / name, keys = state / "fleet";
+    std::filesystem::create_directories(keys);
+    for (const auto& folder : {state, keys})
+      std::filesystem::permissions(folder, std::filesystem::perms::owner_all);
+    const auto copy = [&](const std::filesystem::path& from, const char* to) {
+      std::ifstream in(from);
+      replace_file(keys / to, std::string(std::istreambuf_iterator<char>(in), {}), kPrivate);
+    };
+    copy(options.authority, "ca.pem");
+    copy(options.certificate, "host.pem");
+    copy(options.key, "host.key");
+    replace_file(keys / "password", options.password.text(), kPrivate);
+    std::string servers;
+    for (const std::string& server : options.servers)
+      servers += (servers.empty() ? "" : ",") + server.substr(std::string("tls://").size());
+    program_ = std::make_unique<test::Program>(
+        FELTWIRE_SERVER_PROGRAM,
+        std::vector<std::string>{"--scene", fleet.folder / "floor.json", "--port", "0", "--state",
+                                 state, "--tokens", fleet.folder / "tokens.json", "--log-level",
+                                 "error", "--fleet", "nats://" + servers + ",name=" + name});
+    const std::string first = program_->line(), ports = program_->line();
+    const std::string_view before = "fingerprint: ";
+    const auto at = ports.find("tcp ");
+    if (!first.starts_with(before) || at == std::string::npos)
+      throw std::runtime_error("no server: " + program_->finish().error);
+    access_ = {{"127.0.0.1", static_cast<std::uint16_t>(std::stoi(ports.substr(at + 4)))},
+               {parse_fingerprint(first.substr(before.size())), {}, {}, test::admin_token().text}};
+  }
+  const ServerAccess& access() const { return access_; }
+  std::uint16_t port() const { return access_.endpoint.port; }
+  void kill() { program_->signal(SIGKILL); }
+
+ private:
+  std::unique_ptr<test::Program> program_;
+  ServerAccess access_;
+};
+
+control::JoinRequest request() { return {"tester", "floor", builtin_device("simulated"), {}}; }
+
+/// Joins there, once a host serves the scene. Returns the port of that host.
+std::uint16_t owner_by(const ServerAccess& server) {
+  std::uint16_t port = 0;
+  eventually("a host takes the join", [&] {
+    try {
+      port = join(server, request(), FleetHand::kPatience).host.endpoint.port;
+    } catch (const LastingError&) {
+      throw;
+    } catch (const SessionError&) {  // nobody serves the scene yet
+    }
+    return port != 0;
+  });
+  return port;
+}
+
+/// Waits until the owner tells clients of its standby.
+void await_standby(const Host& owner, const Host& standby) {
+  eventually("the owner names the other host", [&] {
+    try {
+      const Joined joined = join(owner.access(), request(), FleetHand::kPatience);
+      ask(joined.host, control::LeaveRequest{joined.accepted.session}, FleetHand::kPatience);
+      return !joined.others.empty() && joined.others.front().endpoint.port == standby.port();
+    } catch (const LastingError&) {
+      throw;
+    } catch (const SessionError&) {  // this client joins too often
+      return false;
+    }
+  });
+}
+
+TEST(FleetOnNats, HandsFeelAgainAfterTheirHostWasKilled) {
+  const Fleet fleet(1);
+  Host first(fleet, "a");
+  ASSERT_EQ(owner_by(first.access()), first.port());
+  Host second(fleet, "b");
+  EXPECT_EQ(owner_by(second.access()), first.port());  // by a redirect
+  await_standby(first, second);
+  const FleetHand one(first.access(), "floor"), two(second.access(), "floor");
+  for (const FleetHand* const hand : {&one, &two})
+    eventually("the hand feels the floor", [&] { return hand->felt() > 0; });
+  EXPECT_EQ(two.port(), first.port());
+  first.kill();
+  for (const FleetHand* const hand : {&one, &two}) {
+    eventually("the hand has a session at the other host",
+               [&] { return hand->port() == second.port(); });
+    const auto felt = hand->felt();
+    eventually("the hand feels the floor again", [&] { return hand->felt() > felt; });
+    EXPECT_GE(hand->losses(), 1u);
+  }
+  const Host third(fleet, "c");
+  EXPECT_EQ(owner_by(third.access()), second.port());
+}
+
+TEST(FleetOnNats, WithoutTheDirectorySessionsJoinsAndTakeoversGoOn) {
+  Fleet fleet(1);
+  Host first(fleet, "a");
+  ASSERT_EQ(owner_by(first.access()), first.port());
+  const Host second(fleet, "b");
+  EXPECT_EQ(owner_by(second.access()), first.port());
+  await_standby(first, second);
+  const FleetHand hand(first.access(), "floor");
+  eventually("the hand feels the floor", [&] { return hand.felt() > 0; });
+  fleet.directory.kill(0);
+  auto felt = hand.felt();
+  eventually("the hand goes on", [&] { return hand.felt() > felt + 20; });
+  EXPECT_EQ(hand.losses(), 0u);
+  EXPECT_EQ(owner_by(first.access()), first.port());
+  EXPECT_EQ(owner_by(second.access()), first.port());
+  EXPECT_EQ(hand.losses(), 0u);
+  first.kill();
+  eventually("the hand has a session at the other host",
+             [&] { return hand.port() == second.port(); });
+  felt = hand.felt();
+  eventually("the hand feels the floor again", [&] { return hand.felt() > felt; });
+}
+
+}  // namespace
+}  // namespace feltwire::fleet_nats_test
