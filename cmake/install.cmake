@@ -22,7 +22,7 @@ function(feltwire_installed name)
 endfunction()
 
 set(core_rooms ${FELTWIRE_THIN_CORE})
-set(client_rooms protocol/crypto protocol/session protocol/wire protocol/net
+set(client_rooms protocol/crypto protocol/fleet protocol/session protocol/wire protocol/net
   client/device client/hands client/input_devices client/drivers/common client/drivers/force_dimension
   client/drivers/open_haptics client/drivers/haply client/drivers/novint client/drivers/joystick client/drivers/plugin
   client/drivers client/transport client/servo core/recording client/run)

@@ -37,7 +37,7 @@ Joined FleetRoute::join(const control::JoinRequest& request, std::chrono::millis
       if (!failed) failed = std::current_exception();
     }
   // The next join begins with the hosts that have answered.
-  std::ranges::stable_partition(hosts_, [this](const ServerAccess& host) {
+  std::stable_partition(hosts_.begin(), hosts_.end(), [this](const ServerAccess& host) {
     return std::ranges::count(silent_, host.endpoint) == 0;
   });
   std::rethrow_exception(failed ? failed : refused);

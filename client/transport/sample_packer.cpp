@@ -74,7 +74,8 @@ const SampleBatch* SamplePacker::add(const Sample& sample, const std::optional<H
 
 bool SamplePacker::due(const Sample& sample) const noexcept {
   if (travelled_count_ == 0) return true;
-  const auto interval = static_cast<std::uint64_t>(pace_ * parameters_.packet_interval);
+  const auto interval =
+      static_cast<std::uint64_t>(pace_) * static_cast<std::uint64_t>(parameters_.packet_interval);
   if (fed_ - fed_at_last_ < interval) return false;
   return !(parameters_.position_deadband > 0.0) || !known(sample);
 }

@@ -28,6 +28,7 @@ flatbuffers::Offset<WireHosts> build(flatbuffers::FlatBufferBuilder& builder,
                                      const std::vector<FleetHost>& hosts) {
   if (hosts.empty()) return 0;
   std::vector<flatbuffers::Offset<wire::FleetHost>> built;
+  built.reserve(hosts.size());
   for (const FleetHost& host : hosts) built.push_back(build_host(builder, host));
   return builder.CreateVector(built);
 }

@@ -76,7 +76,7 @@ void show(Directory& directory) {
               "version");
   for (const auto& [name, host] : hosts) {
     const auto served = std::ranges::count_if(
-        scenes, [&](const auto& entry) { return entry.second.owner == host.host; });
+        scenes, [&owner = host.host](const auto& entry) { return entry.second.owner == owner; });
     const char* const state = !lives(before, host) ? "silent" : host.draining ? "drains" : "lives";
     std::printf("%-20s  %-7s  %-28s  %-6u  %-6td  %s\n", visible(name).c_str(), state,
                 visible(place_of(host)).c_str(), host.hands, served, visible(host.version).c_str());
