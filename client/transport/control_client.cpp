@@ -116,8 +116,7 @@ Endpoint parse_endpoint(std::string_view text) {
 }
 
 std::string to_string(const Endpoint& endpoint) {
-  const bool v6 = endpoint.host.find(':') != std::string::npos;
-  return (v6 ? "[" + endpoint.host + "]" : endpoint.host) + ":" + std::to_string(endpoint.port);
+  return host_and_port(endpoint.host, endpoint.port);
 }
 
 Joined join(const ServerAccess& server, const control::JoinRequest& request,

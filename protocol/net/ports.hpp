@@ -1,7 +1,8 @@
 #pragma once
-// The default ports of the programs.
+// The default ports of the programs, and how a port is written.
 
 #include <cstdint>
+#include <string>
 
 namespace feltwire {
 
@@ -13,5 +14,11 @@ inline constexpr std::uint16_t kDefaultPort = 6720;
 
 /// The port of `feltwire-lab link`, which may run beside a server on one machine.
 inline constexpr std::uint16_t kDefaultRelayPort = 6740;
+
+/// HOST:PORT, an IPv6 address in brackets: "[::1]:6720".
+inline std::string host_and_port(const std::string& host, std::uint16_t port) {
+  const bool v6 = host.find(':') != std::string::npos;
+  return (v6 ? "[" + host + "]" : host) + ":" + std::to_string(port);
+}
 
 }  // namespace feltwire

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "protocol/net/ports.hpp"
 #include "server/fleet/placement.hpp"
 #include "server/fleet/record_codec.hpp"
 
@@ -13,11 +14,6 @@ using control::RefusalCode;
 using control::Refused;
 
 constexpr std::size_t kTickets = 100'000;  // in a minute or so; ReplayCache has the memory of each
-
-std::string endpoint_text(const control::FleetHost& host) {
-  const bool v6 = host.address.find(':') != std::string::npos;
-  return (v6 ? "[" + host.address + "]" : host.address) + ":" + std::to_string(host.port);
-}
 
 Refused nobody(std::string_view scene) {
   return {RefusalCode::failed, "no host of the fleet serves scene '" + std::string(scene) +
@@ -88,7 +84,8 @@ FleetMember::Answer FleetMember::redirect(const KnownScene& scene, const Join& j
   if (!host)
     return Refused{RefusalCode::failed, text + ", which has not told its address yet; try again"};
   if (!join.follows_redirects)
-    return Refused{RefusalCode::not_supported, text + "; join at " + endpoint_text(*host)};
+    return Refused{RefusalCode::not_supported,
+                   text + "; join at " + host_and_port(host->address, host->port)};
   const Ticket ticket{std::string(join.scene), join.client, join.role, record.owner.name,
                       record.version.epoch,    date,        {}};
   return control::Redirected{*host, issue_ticket(ticket, keys_.signing()), record.version.epoch};
@@ -101,7 +98,7 @@ std::optional<std::string> FleetMember::elsewhere(std::string_view scene) const 
   const HostName& owner = found->second.ownership.record.owner;
   if (owner.number == 0) return std::nullopt;
   const auto host = address_of(owner, false);
-  return owner.name + (host ? " at " + endpoint_text(*host) : std::string());
+  return owner.name + (host ? " at " + host_and_port(host->address, host->port) : std::string());
 }
 
 void FleetMember::see(Bucket bucket, const DirectoryEntry& entry, Nanoseconds now) {
