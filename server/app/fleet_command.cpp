@@ -11,11 +11,10 @@
 #include <vector>
 
 #include "core/base/visible_text.hpp"
-#include "protocol/command_line/command_error.hpp"
-#include "protocol/command_line/suggestion.hpp"
+#include "protocol/net/ports.hpp"
 #include "server/app/fleet_settings.hpp"
 #include "server/app/server_config.hpp"
-#include "server/app/token_command.hpp"
+#include "server/app/subcommand.hpp"
 #include "server/fleet/record_codec.hpp"
 #include "server/fleet_host/fleet_member.hpp"
 
@@ -58,9 +57,7 @@ bool lives(const Records<HostRecord>& before, const HostRecord& now) {
 
 std::string place_of(const HostRecord& host) {
   if (host.addresses.empty()) return "-";
-  const std::string& address = host.addresses.front();
-  const bool v6 = address.find(':') != std::string::npos;
-  return (v6 ? "[" + address + "]" : address) + ":" + std::to_string(host.control_port);
+  return host_and_port(host.addresses.front(), host.control_port);
 }
 
 std::string name_of(const HostName& host) {
@@ -106,27 +103,14 @@ int fleet_command(int argc, char** argv) {
   status->add_option("--config", config_file, "Configuration file of a server");
   status->add_option("--state", given.state, "State folder of a server")
       ->envname("FELTWIRE_SERVER_STATE");
-  try {
-    app.parse(argc, argv);
+  return run_subcommand(app, argc, argv, [&] {
     ServerConfig config = config_file.empty() ? given : load_config(config_file);
     if (!given.fleet.empty()) config.fleet = given.fleet;
     if (!given.state.empty()) config.state = given.state;
     if (config.fleet.empty())
       throw std::invalid_argument("no fleet is named; give --fleet nats://HOST:PORT");
     show(*open_fleet_directory(fleet_settings(config)));
-    return 0;
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
-    std::fprintf(stderr, "feltwire-server fleet: %s (see --help)\n",
-                 printable_error(error.what() + advice(error, app)).c_str());
-    return kBadUsage;
-  } catch (const std::invalid_argument& error) {
-    std::fprintf(stderr, "feltwire-server fleet: %s\n", printable_error(error.what()).c_str());
-    return kBadUsage;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "feltwire-server fleet: %s\n", printable_error(error.what()).c_str());
-    return kCannotRun;
-  }
+  });
 }
 
 }  // namespace feltwire

@@ -22,6 +22,7 @@
 #include "core/scene_file/load_scene.hpp"
 #include "protocol/command_line/command_error.hpp"
 #include "protocol/crypto/secret.hpp"
+#include "protocol/net/ports.hpp"
 #include "server/app/demo_hands.hpp"
 #include "server/app/fleet_command.hpp"
 #include "server/app/health.hpp"
@@ -33,6 +34,7 @@
 #include "server/app/service_manager.hpp"
 #include "server/app/signals.hpp"
 #include "server/app/startup.hpp"
+#include "server/app/subcommand.hpp"
 #include "server/app/summary.hpp"
 #include "server/app/token_command.hpp"
 #include "server/scene/answer_time.hpp"
@@ -89,9 +91,7 @@ std::string client_program() {
 /// Returns HOST:PORT of the control port from this machine.
 std::string control_address(const ServerConfig& config, const Server& server) {
   const bool any = asio::ip::make_address(config.address).is_unspecified();
-  const std::string host = any ? "127.0.0.1" : config.address;
-  return (host.find(':') == std::string::npos ? host : "[" + host + "]") + ":" +
-         std::to_string(server.control_port());
+  return host_and_port(any ? "127.0.0.1" : config.address, server.control_port());
 }
 
 /// Returns the command line with which a client on this machine joins.

@@ -7,13 +7,11 @@
 
 #include "core/base/pending_file.hpp"
 #include "core/base/visible_text.hpp"
-#include "protocol/command_line/command_error.hpp"
-#include "protocol/command_line/strict_values.hpp"
-#include "protocol/command_line/suggestion.hpp"
 #include "server/access/json_text.hpp"
 #include "server/access/security.hpp"
 #include "server/app/known_scenes.hpp"
 #include "server/app/server_config.hpp"
+#include "server/app/subcommand.hpp"
 
 namespace feltwire {
 namespace {
@@ -129,27 +127,14 @@ int token_command(int argc, char** argv) {
   revoking->add_option("ID", words.id, "Id of the token, from feltwire-server token list")
       ->required();
   for (CLI::App* command : {adding, listing, revoking}) add_place(*command, config_file, given);
-  try {
-    parse_arguments(app, argc, argv);
+  return run_subcommand(app, argc, argv, [&] {
     ServerConfig config = config_file.empty() ? given : load_config(config_file);
     if (!given.state.empty()) config.state = given.state;
     if (!given.tokens.empty()) config.tokens = given.tokens;
     if (adding->parsed()) add(config, words);
     if (listing->parsed()) list(config);
     if (revoking->parsed()) revoke(config, words);
-    return 0;
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
-    std::fprintf(stderr, "feltwire-server token: %s (see --help)\n",
-                 printable_error(error.what() + advice(error, app)).c_str());
-    return kBadUsage;
-  } catch (const std::invalid_argument& error) {
-    std::fprintf(stderr, "feltwire-server token: %s\n", printable_error(error.what()).c_str());
-    return kBadUsage;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "feltwire-server token: %s\n", printable_error(error.what()).c_str());
-    return kCannotRun;
-  }
+  });
 }
 
 }  // namespace feltwire
