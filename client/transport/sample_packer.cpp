@@ -5,14 +5,9 @@
 
 #include "core/base/numeric.hpp"
 #include "protocol/session/deadband.hpp"
+#include "protocol/session/slowest_pace.hpp"
 
 namespace feltwire {
-namespace {
-
-constexpr double kShareOfHold = 0.25;  // of the hold time, between two datagrams at any pace
-constexpr double kRoundUp = 1.0 + 1e-9;
-
-}  // namespace
 
 SamplePacker::SamplePacker(const SessionParameters& parameters, bool rotation,
                            const PositionScale& scale)
@@ -30,10 +25,7 @@ bool SamplePacker::carry_fewer() noexcept {
 }
 
 void SamplePacker::set_pace(int pace) noexcept {
-  const double interval = parameters_.packet_interval * parameters_.servo_period;
-  const double longest = std::min(kSlowest, kShareOfHold * parameters_.hold_time);
-  const int most = std::max(1, static_cast<int>(longest / interval * kRoundUp));
-  pace_ = std::clamp(pace, 1, most);
+  pace_ = std::clamp(pace, 1, slowest_pace(parameters_));
 }
 
 void SamplePacker::restart() noexcept {

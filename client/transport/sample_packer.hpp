@@ -45,7 +45,6 @@ class SamplePacker {
   /// tau [s]: in free space the deadband is the share k of the way in this time.
   static constexpr double kFreeAge = 0.02;
   static constexpr double kUnfeltAngle = 1e-3;  // [rad]
-  static constexpr double kSlowest = 0.01;      // [s] between two datagrams at any pace
 
   /// `parameters` must be valid; `rotation`: orientation and torque travel too.
   SamplePacker(const SessionParameters& parameters, bool rotation, const PositionScale& scale = {});
@@ -59,9 +58,8 @@ class SamplePacker {
   /// Begins a new session, which needs no sample of the old one.
   void restart() noexcept;
 
-  /// The server is out of time, and asks for a datagram only every `pace` packet intervals. It gets
-  /// them at most kSlowest and a quarter of the hold time apart, so that its answers still reach
-  /// the hand in time. The device's own loop keeps its rate.
+  /// The server is out of time, and asks for a datagram only every `pace` packet intervals. No pace
+  /// is slower than slowest_pace(). The device's own loop keeps its rate.
   void set_pace(int pace) noexcept;
   /// The pace that is kept; 1: a datagram every packet interval.
   int pace() const noexcept { return pace_; }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/written_number.hpp"
+#include "protocol/session/slowest_pace.hpp"
 
 namespace feltwire {
 namespace {
@@ -13,7 +14,6 @@ constexpr double kBusy = 0.8;
 /// The thread is still short of time while it has so much load, for so long after the last limit.
 constexpr double kFull = 0.95 * FairShare::kMost;
 constexpr Nanoseconds kFades{200'000'000};
-constexpr double kRounding = 1.0 + 1e-9;
 
 Slowed kind_of(const SessionSlot& slot) noexcept {
   return slot.session.observes() ? Slowed::observers : Slowed::hands;
@@ -24,12 +24,11 @@ double interval_of(const SessionParameters& parameters) noexcept {
   return parameters.packet_interval * parameters.servo_period;
 }
 
-/// The slowest pace that the client follows.
-std::uint8_t slowest(const SessionParameters& parameters) noexcept {
-  const double longest = std::min(Pace::kLongestPause, Pace::kShareOfHold * parameters.hold_time);
-  const double most = kRounding * longest / interval_of(parameters);
+/// The last step: the slowest pace that is a power of two.
+std::uint8_t last_step(const SessionParameters& parameters) noexcept {
+  const int most = slowest_pace(parameters);
   std::uint8_t pace = 1;
-  while (pace < Pace::kMost && 2.0 * pace <= most) pace = static_cast<std::uint8_t>(2 * pace);
+  while (pace < Pace::kMost && 2 * pace <= most) pace = static_cast<std::uint8_t>(2 * pace);
   return pace;
 }
 
@@ -83,7 +82,7 @@ bool Pace::slow_down(const SessionSlots& slots, const FairShare& share, Slowed k
   for (const auto& slot : slots) {
     if (kind_of(*slot) != kind || slot->role == Role::follower) continue;
     const bool busy = kind == Slowed::observers || share.used(slot->share) >= kBusy * level_;
-    if (!busy || slot->pace.intervals >= slowest(slot->session.parameters())) continue;
+    if (!busy || slot->pace.intervals >= last_step(slot->session.parameters())) continue;
     any = true;
     if (now - slot->pace.since >= kSettle)
       set(*slot, static_cast<std::uint8_t>(2 * slot->pace.intervals), now);

@@ -31,8 +31,6 @@ struct PaceCounters {
 class Pace {
  public:
   static constexpr std::uint8_t kMost = 8;         // packet intervals
-  static constexpr double kLongestPause = 0.01;    // [s] between two datagrams
-  static constexpr double kShareOfHold = 0.25;     // of the hold time, likewise
   static constexpr Nanoseconds kLook{50'000'000};  // between two looks
   static constexpr Nanoseconds kShort{
       250'000'000};  // the thread is short for so long before a step
