@@ -3,7 +3,6 @@
 #include <sodium.h>
 
 #include <algorithm>
-#include <array>
 #include <set>
 #include <stdexcept>
 #include <system_error>
@@ -14,28 +13,20 @@
 #include "core/base/private_folder.hpp"
 #include "core/build_info/build_info.hpp"
 #include "protocol/crypto/private_file.hpp"
+#include "protocol/crypto/sha256.hpp"
 #include "server/app/fleet_settings.hpp"
 #include "server/fleet_host/key_file.hpp"
 
 namespace feltwire {
 namespace {
 
-using Hash = std::array<std::uint8_t, crypto_hash_sha256_BYTES>;
-
-Hash sha256(std::string_view bytes) {
-  Hash hash;
-  crypto_hash_sha256(hash.data(), reinterpret_cast<const std::uint8_t*>(bytes.data()),
-                     bytes.size());
-  return hash;
-}
-
 SceneDigest digest_of(const Scene& scene) {
   // The names of files differ from machine to machine, so only their contents count.
-  std::set<Hash> contents;
+  std::set<Sha256> contents;
   if (scene.files() != nullptr)
     for (const auto& [name, bytes] : scene.files()->files) contents.insert(sha256(bytes));
   std::string all;
-  for (const Hash& hash : contents) all.append(hash.begin(), hash.end());
+  for (const Sha256& hash : contents) all.append(hash.begin(), hash.end());
   return sha256(all);
 }
 

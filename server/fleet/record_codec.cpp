@@ -1,11 +1,10 @@
 #include "server/fleet/record_codec.hpp"
 
-#include <sodium.h>
-
 #include <algorithm>
 #include <array>
 
 #include "core/base/little_endian.hpp"
+#include "protocol/crypto/sha256.hpp"
 #include "server/fleet/fleet_generated.h"
 
 namespace feltwire {
@@ -49,9 +48,7 @@ const Table* verified(std::string_view bytes, std::vector<std::uint64_t>& aligne
 std::uint64_t scene_tag(std::string_view name, const SceneDigest& digest) {
   std::string text(digest.begin(), digest.end());
   text += name;
-  std::array<std::uint8_t, crypto_hash_sha256_BYTES> hash;
-  crypto_hash_sha256(hash.data(), reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
-  return get_little_endian<std::uint64_t>(hash.data());
+  return get_little_endian<std::uint64_t>(sha256(text).data());
 }
 
 std::string encode(const SceneRecord& record) {
