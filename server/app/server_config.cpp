@@ -101,7 +101,8 @@ Complaint complaint(const ServerConfig& c) {
                                          "' is no IP address; 127.0.0.1 serves this machine, :: "
                                          "every network, 0.0.0.0 those of IPv4");
   if (auto wrong = missing_zone(address)) return complaint_of("--address", *std::move(wrong));
-  // Each scene has its own port. These ports follow the control port.
+  // The scenes share a port. If they cannot (server/scene/scene_ports.hpp), each has its own. They
+  // follow the control port.
   if (c.port < 0 || c.port + (c.port == 0 ? 0 : scenes) > kLastPort)
     return complaint_of("--port", std::to_string(c.port) + " is not within 1 to " +
                                       std::to_string(kLastPort - scenes) + " (" +

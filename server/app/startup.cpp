@@ -2,7 +2,6 @@
 
 #include <poll.h>
 #include <spdlog/spdlog.h>
-#include <sys/eventfd.h>
 #include <sys/signalfd.h>
 #include <unistd.h>
 
@@ -13,6 +12,7 @@
 #include <thread>
 
 #include "core/base/cancellation.hpp"
+#include "core/base/event_descriptor.hpp"
 
 namespace feltwire {
 namespace {
@@ -20,26 +20,26 @@ namespace {
 constexpr std::chrono::milliseconds kPatience{1000};  // longest wait for a cancelled load to end
 constexpr std::chrono::milliseconds kBetweenLines{5000};
 
-class EventFile {
+class SignalFile {
  public:
-  explicit EventFile(int descriptor) : descriptor_(descriptor) {
+  explicit SignalFile(int descriptor) : descriptor_(descriptor) {
     if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), "startup");
   }
-  ~EventFile() { ::close(descriptor_); }
-  EventFile(const EventFile&) = delete;
-  EventFile& operator=(const EventFile&) = delete;
+  ~SignalFile() { ::close(descriptor_); }
+  SignalFile(const SignalFile&) = delete;
+  SignalFile& operator=(const SignalFile&) = delete;
   int get() const { return descriptor_; }
 
  private:
   int descriptor_;
 };
 
-EventFile signal_file() {
+SignalFile signal_file() {
   sigset_t ending;
   sigemptyset(&ending);
   sigaddset(&ending, SIGINT);
   sigaddset(&ending, SIGTERM);
-  return EventFile(::signalfd(-1, &ending, SFD_CLOEXEC));
+  return SignalFile(::signalfd(-1, &ending, SFD_CLOEXEC));
 }
 
 /// A server start in its own thread. The thread shares the ownership of this object, because it may
@@ -49,7 +49,7 @@ struct Launch {
   ServerConfig config;
   web::MakePageHands hands;
   CancellableWork work;
-  EventFile done{::eventfd(0, EFD_CLOEXEC)};
+  EventDescriptor done;
   std::optional<Server> server;
   std::exception_ptr failure;
 
@@ -62,7 +62,7 @@ struct Launch {
     } catch (...) {
       failure = std::current_exception();
     }
-    ::eventfd_write(done.get(), 1);
+    done.signal();
   }
 };
 
@@ -74,7 +74,7 @@ bool wait_for(const Launch& start, std::chrono::milliseconds time) {
 
 /// Waits for at most kBetweenLines. Returns true if the start has ended, or if a signal has
 /// cancelled it.
-bool wait_for_end_of(Launch& start, const EventFile& signals, StartEnded& ended) {
+bool wait_for_end_of(Launch& start, const SignalFile& signals, StartEnded& ended) {
   std::array<pollfd, 2> files{{{start.done.get(), POLLIN, 0}, {signals.get(), POLLIN, 0}}};
   const int ready = ::poll(files.data(), files.size(), static_cast<int>(kBetweenLines.count()));
   if (ready < 0 && errno != EINTR)
@@ -94,7 +94,7 @@ bool wait_for_end_of(Launch& start, const EventFile& signals, StartEnded& ended)
 
 std::optional<Server> start_server(const ServerConfig& config, StartEnded& ended,
                                    const web::MakePageHands& hands) {
-  const EventFile signals = signal_file();
+  const SignalFile signals = signal_file();
   const auto start = std::make_shared<Launch>(config, hands);
   std::thread thread([start] { start->run(); });
   try {
