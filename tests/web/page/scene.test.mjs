@@ -45,8 +45,16 @@ test('arrows move and are seen', async () => {
   server.play.still = false;
   await until(() => window.feltwire().longestArrow > 0.03);
   await hold();
-  const short = await pixels('elastic') - legend;
-  assert.ok(short > 10, `${short} pixels`);
+  // The picture on hold may be of a moment with small forces.
+  let short = await pixels('elastic') - legend;
+  for (let tries = 0; short <= 30 && tries < 20; ++tries) {
+    await press(' ');
+    const {pictures} = await state();
+    await until((seen) => window.feltwire().pictures > seen + 5, pictures);
+    await hold();
+    short = await pixels('elastic') - legend;
+  }
+  assert.ok(short > 30, `${short} pixels`);
   const {frames} = await state();
   const metres = async () => (([, number, unit]) => number * {mm: 1e-3, cm: 1e-2, m: 1}[unit])(
     /1 N = ([0-9.]+) (mm|cm|m)$/.exec(await page.textContent('#arrow-scale')));
