@@ -64,14 +64,22 @@ class FollowerProgram : public ::testing::Test {
     return std::make_unique<Program>(FELTWIRE_FOLLOWER_PROGRAM, std::move(words));
   }
   /// Expects that the program does not start, and prints the reason in one line.
-  void expect_fault(std::vector<std::string> arguments, const std::string& part) {
+  void expect_end(int status, std::vector<std::string> arguments, const std::string& part) {
     // The option applies if the program starts.
     arguments.insert(arguments.end(), {"--duration", "0.2"});
     const Outcome outcome = start(std::move(arguments))->finish();
-    EXPECT_EQ(outcome.status, 1) << part;
+    EXPECT_EQ(outcome.status, status) << part;
     EXPECT_EQ(outcome.out, "");
     EXPECT_THAT(outcome.error, AllOf(HasSubstr("feltwire-follower: "), HasSubstr(part)));
     EXPECT_EQ(std::ranges::count(outcome.error, '\n'), 1) << outcome.error;
+  }
+  /// An option or a configuration that is wrong.
+  void expect_misuse(std::vector<std::string> arguments, const std::string& part) {
+    expect_end(2, std::move(arguments), part);
+  }
+  /// A file, a server or a robot that cannot be used.
+  void expect_fault(std::vector<std::string> arguments, const std::string& part) {
+    expect_end(1, std::move(arguments), part);
   }
   /// Ends a running program after some samples.
   Outcome end(Program& program) {
@@ -95,10 +103,10 @@ class FollowerProgram : public ::testing::Test {
 };
 
 TEST_F(FollowerProgram, WantsOneRobot) {
-  expect_fault({}, "no robot is given; give one of --surroundings FILE.json (a point), --arm");
-  expect_fault({"--arm", kTable, "--surroundings", kSurroundings}, "more than one robot is given");
-  expect_fault({"--arm", kTable, "--socket", folder_ / "driver"}, "more than one robot is given");
-  expect_fault({"--socket", folder_ / "driver", "--at", "0,0,0"}, "Leave out --at");
+  expect_misuse({}, "no robot is given; give one of --surroundings FILE.json (a point), --arm");
+  expect_misuse({"--arm", kTable, "--surroundings", kSurroundings}, "more than one robot is given");
+  expect_misuse({"--arm", kTable, "--socket", folder_ / "driver"}, "more than one robot is given");
+  expect_misuse({"--socket", folder_ / "driver", "--at", "0,0,0"}, "Leave out --at");
 }
 
 TEST_F(FollowerProgram, NamesAWorkspaceThatIsNone) {
@@ -106,14 +114,14 @@ TEST_F(FollowerProgram, NamesAWorkspaceThatIsNone) {
     return std::vector<std::string>{"--surroundings", kSurroundings, option, value};
   };
   for (const char* box : {"0,0,0,1,1,0", "0,0,0,1,nan,1", "0,0,-2000,1,1,1"})
-    expect_fault(with("--workspace", box), "--workspace must be six numbers within 1000 m");
+    expect_misuse(with("--workspace", box), "--workspace must be six numbers within 1000 m");
   for (const char* body : {"0,0,0,1,-1,0,0.1", "0,0,0,0,0,0,0.0001", "nan,0,0,0,0,0,0.1",
                            "0,0,0,0.1", "0,0,0,0,0,0,0.1,0", "0,0,0,0,0,0,0.1m", "a,0,0,0,0,0,0.1"})
-    expect_fault(with("--keep-out", body), "--keep-out must be seven numbers within 1000 m");
+    expect_misuse(with("--keep-out", body), "--keep-out must be seven numbers within 1000 m");
   std::vector<std::string> nine{"--surroundings", kSurroundings};
   for (int i = 0; i < 9; ++i) nine.insert(nine.end(), {"--keep-out", "-0.1,0,0,0,0,0,0.1"});
-  expect_fault(nine, "--keep-out is given 9 times; give it 8 times at most");
-  expect_fault(with("--lock", "x,w"), "--lock: there is no axis 'w'; give some of x, y, z");
+  expect_misuse(nine, "--keep-out is given 9 times; give it 8 times at most");
+  expect_misuse(with("--lock", "x,w"), "--lock: there is no axis 'w'; give some of x, y, z");
 }
 
 TEST_F(FollowerProgram, ReadsOptionsFromAFile) {
@@ -124,21 +132,21 @@ TEST_F(FollowerProgram, ReadsOptionsFromAFile) {
   const auto line = [&](int number, const std::string& says) {
     return (folder_ / "robot.json").string() + ":" + std::to_string(number) + ": " + says;
   };
-  expect_fault(config(R"({"keep_outs": ["0,0,0,1,-1,0,0.1"], "surroundings": ")" +
-                      std::string(kSurroundings) + "\"}"),
-               line(1, "keep_outs: --keep-out must be seven numbers"));
+  expect_misuse(config(R"({"keep_outs": ["0,0,0,1,-1,0,0.1"], "surroundings": ")" +
+                       std::string(kSurroundings) + "\"}"),
+                line(1, "keep_outs: --keep-out must be seven numbers"));
   expect_fault(config("{\n\"arm\": \"none.xml\"}"), (folder_ / "none.xml").string());
-  expect_fault(config("{\n\"leesh\": 5}"), line(2,
-                                                "leesh: is no option of this program; did you "
-                                                "mean leash?"));
-  expect_fault(config("{\n\"config\": \"a\"}"), line(2, "config: cannot be in a file"));
+  expect_misuse(config("{\n\"leesh\": 5}"), line(2,
+                                                 "leesh: is no option of this program; did you "
+                                                 "mean leash?"));
+  expect_misuse(config("{\n\"config\": \"a\"}"), line(2, "config: cannot be in a file"));
   // The command line decides which robot it is.
   std::vector<std::string> socket = config(R"({"arm": "none.xml"})");
   socket.insert(socket.end(), {"--socket", "/proc/nowhere/driver"});
   expect_fault(socket, "/proc/nowhere/driver");
   // A number of the file that CLI11 cannot read.
   const Outcome wrong = start(config("{\n\"leash\": \"strong\"}"))->finish();
-  EXPECT_NE(wrong.status, 0);
+  EXPECT_EQ(wrong.status, 2);
   EXPECT_THAT(wrong.error, HasSubstr(line(2, "leash: ")));
 
   std::vector<std::string> words =
@@ -153,7 +161,7 @@ TEST_F(FollowerProgram, ReadsOptionsFromAFile) {
 
 TEST_F(FollowerProgram, ATokenIsNeverPrinted) {
   const Outcome outcome = start({"--token=fw_0123456789ab_secret"})->finish();
-  EXPECT_NE(outcome.status, 0);
+  EXPECT_EQ(outcome.status, 2);
   EXPECT_THAT(outcome.error, AllOf(HasSubstr("fw_..."), Not(HasSubstr("0123456789ab"))));
 }
 
@@ -166,8 +174,8 @@ TEST_F(FollowerProgram, NamesTheFileThatIsNoRobot) {
 
 TEST_F(FollowerProgram, SaysWhereTheArmCannotBegin) {
   for (const char* at : {"2,0,0.3", "0.45,0,0.2"})
-    expect_fault({"--arm", kTable, "--at", at},
-                 "--at " + std::string(at) + ": the arm of " + kTable + " comes only to ");
+    expect_misuse({"--arm", kTable, "--at", at},
+                  "--at " + std::string(at) + ": the arm of " + kTable + " comes only to ");
 }
 
 TEST_F(FollowerProgram, NamesTheFileThatItCannotWrite) {
