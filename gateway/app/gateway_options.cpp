@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 #include "client/command_line/credential_options.hpp"
-#include "core/base/file_error.hpp"
 #include "core/build_info/build_info.hpp"
 #include "protocol/command_line/config_file.hpp"
 #include "protocol/command_line/environment.hpp"
@@ -76,11 +75,7 @@ ConfigFile view_config(const CLI::App& app, int argc, const char* const* argv) {
   const FileValue files =
       files_in_folder({"ca", "certificate", "client-certificate", "client-key", "fingerprint-file",
                        "key", "scene", "state", "token-file", "tokens"});
-  try {
-    return given_config(app, argc, argv, {}, files, {}, true);
-  } catch (const FileError& error) {
-    throw std::invalid_argument(error.what());
-  }
+  return given_config(app, argc, argv, {}, files, {}, true);
 }
 
 void check(const GatewayConfig& config) {

@@ -239,7 +239,12 @@ ConfigFile given_config(const CLI::App& app, int argc, const char* const* argv,
   const auto file = given_value(app, argc, argv, "config", reads_environment);
   if (!file) return {};
   command_line.emplace_back("config");
-  ConfigFile config = read_config(app, read_text(*file), *file, command_line, file_value, renamed);
+  ConfigFile config;
+  try {
+    config = read_config(app, read_text(*file), *file, command_line, file_value, renamed);
+  } catch (const FileError& error) {
+    throw std::invalid_argument(error.what());
+  }
   // The token of the environment has no option that would override the file.
   const char* const token = reads_environment ? std::getenv("FELTWIRE_TOKEN") : nullptr;
   if (token != nullptr && *token != '\0')

@@ -58,7 +58,8 @@ std::optional<std::string> given_value(const CLI::App& app, int argc, const char
 
 /// Reads the file that --config or its variable names; neither names one: an empty ConfigFile. A
 /// token in the environment drops the file's token_file. --config itself cannot be in the file. The
-/// rest as in read_config() and given_value(). Throws FileError.
+/// rest as in read_config() and given_value(). A wrong file is wrong usage: throws
+/// std::invalid_argument.
 ConfigFile given_config(const CLI::App& app, int argc, const char* const* argv,
                         std::vector<std::string> command_line, const FileValue& file_value,
                         const Renamed& renamed, bool reads_environment);

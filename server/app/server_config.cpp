@@ -162,7 +162,11 @@ Complaint complaint(const ServerConfig& c) {
 }  // namespace
 
 ServerConfig load_config(const std::filesystem::path& file) {
-  return parse_config(read_text(file), file);
+  try {
+    return parse_config(read_text(file), file);
+  } catch (const FileError& error) {
+    throw std::invalid_argument(error.what());
+  }
 }
 
 ServerConfig parse_config(std::string_view json, const std::filesystem::path& file) {

@@ -63,10 +63,11 @@ struct ServerConfig : SecurityOptions {
 };
 
 /// Reads a configuration file, whose members are the options of add_config_options(). Missing
-/// values keep their defaults. Throws FileError "file:line: field: what is wrong".
+/// values keep their defaults. A wrong file is wrong usage: throws std::invalid_argument
+/// "file:line: field: what is wrong".
 ServerConfig load_config(const std::filesystem::path& file);
 
-/// Reads it from text; paths are relative to the folder of `file`.
+/// Reads it from text; paths are relative to the folder of `file`. Throws FileError.
 ServerConfig parse_config(std::string_view json, const std::filesystem::path& file);
 
 /// The port of the live page in examples. No other service uses it, as with kDefaultPort.

@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "core/base/file_error.hpp"
-#include "core/base/json_document.hpp"
 #include "core/build_info/build_info.hpp"
 #include "protocol/command_line/config_file.hpp"
 #include "protocol/command_line/environment.hpp"
@@ -92,11 +90,9 @@ ServerTask server_task(int argc, char** argv) {
                "would start with them, if its ports are free and it can write its files");
   const std::vector<std::string> ending = {"explain", "health", "check-config"};
   read_environment(app, argc, argv, {.program = "server", .ending = ending});
-  ConfigFile config;
-  if (const auto named = given_value(app, argc, argv, "config", true))
-    config =
-        read_config(app, read_text(*named), *named,
-                    {"config", "summary", "explain", "health", "check-config"}, server_file_value);
+  const ConfigFile config =
+      given_config(app, argc, argv, {"summary", "explain", "health", "check-config"},
+                   server_file_value, {}, true);
   try {
     parse_words(app, words_with_config(app, argc, argv, config, {}, true));
   } catch (const CLI::ParseError& error) {
@@ -105,7 +101,7 @@ ServerTask server_task(int argc, char** argv) {
                                 " (see --help)");
   }
   const std::string wrong = config.entries.empty() ? "" : config_error(asked.config);
-  if (!wrong.empty()) throw FileError(config.located(wrong));
+  if (!wrong.empty()) throw std::invalid_argument(config.located(wrong));
   return asked;
 }
 

@@ -202,7 +202,7 @@ TEST(Operation, TheProgramChecksItsConfiguration) {
               HasSubstr("no_tokens.json"));
   EXPECT_THAT(check(begin + ", \"client_ca\": \"no_ca.pem\"}").error, HasSubstr("no_ca.pem"));
   EXPECT_THAT(check(begin + ",\n\"prot\": 0}").error, HasSubstr("checked.json:2: prot"));
-  EXPECT_EQ(check(begin + ", \"join_rate\": 0}").status, 1);
+  EXPECT_EQ(check(begin + ", \"join_rate\": 0}").status, 2);
   EXPECT_FALSE(std::filesystem::exists(state));
   const std::string junk = path("junk.pem");
   std::ofstream(junk) << "junk";
