@@ -306,6 +306,20 @@ TEST(Operation, TheServiceManagerLearnsOfTheStart) {
   ::close(manager);
 }
 
+/// Seven descriptors are too few, and the remedy is no other folder.
+TEST(Operation, TooManyOpenFilesHaveARemedy) {
+  const std::string scene = path("scene.json");
+  std::ofstream(scene) << R"({"name": "wall", "materials": [{"name": "wood", "stiffness": 1000}],
+    "objects": [{"name": "floor", "plane": {}, "material": "wood"}]})";
+  const test::Outcome outcome =
+      test::Program("/bin/sh", {"-c", "ulimit -n 7; exec \"$@\"", "sh", FELTWIRE_SERVER_PROGRAM,
+                                "--scene", scene, "--port", "0", "--state", path("few")})
+          .finish();
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.error, HasSubstr("Too many open files"));
+  EXPECT_THAT(outcome.error, HasSubstr("; raise the limit of open files (ulimit -n)\n"));
+}
+
 TEST(Operation, ACounterFileThatCannotBeIsSaidAtOnce) {
   const std::string scene = path("scene.json");
   std::ofstream(scene) << R"({"name": "wall", "materials": [{"name": "wood", "stiffness": 1000}],
