@@ -262,8 +262,6 @@ const std::string& HandRun::end() {
   return fault;
 }
 
-bool HandRun::asking() const { return reconnector_->asking() || fetch_->asking(); }
-
 std::optional<Rehearsal> HandRun::rehearsal() {
   return rehearsal_ ? rehearsal_->finish() : std::nullopt;
 }

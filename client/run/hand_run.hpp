@@ -59,8 +59,6 @@ class HandRun {
   /// a call of the device does not return, and its thread still uses the run. The program should
   /// end at once.
   bool servo_ended() const { return ended_; }
-  /// A thread still waits for an answer of the server. It uses nothing of the run.
-  bool asking() const;
 
   const control::JoinAccepted& accepted() const { return accepted_; }
   const Address& server() const { return datagrams_; }

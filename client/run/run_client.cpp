@@ -156,7 +156,7 @@ int run_client(std::unique_ptr<Device> device, const RunOptions& options) {
   const int ending = conclude(options, task.servo, task.result, fault, reported);
   int code = failed ? 1 : ending;
   if (options.hooks.on_exit) code = options.hooks.on_exit(code);
-  if (!run.servo_ended() || run.asking()) end_at_once(code);
+  if (!run.servo_ended()) end_at_once(code);
   return code;
 }
 
