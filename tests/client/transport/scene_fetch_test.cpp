@@ -95,7 +95,9 @@ class SceneFetchTest : public ::testing::Test {
     scenes.push_back(ball_scene());
     scenes.push_back(testing::floor_scene());
     scenes.push_back(ring_scene());
-    server = std::make_unique<Server>(testing::any_ports(), std::move(scenes), test::security());
+    ServerConfig config = testing::any_ports();
+    config.silence_timeout = 60.0;  // [s] a busy machine may keep the client waiting for seconds
+    server = std::make_unique<Server>(config, std::move(scenes), test::security());
     endpoint = test::access(server->control_port());
   }
   /// Calls the fetch until the condition holds. The clock advances by an hour per call, so nothing
