@@ -247,9 +247,9 @@ std::vector<FleetMember::Write> FleetMember::writes(Nanoseconds now, std::uint64
     // Without an answer to its claim, this host may have the record and not know that it serves.
     const bool free = record.owner.number == 0 || record.owner == about_.host || gone(record.owner);
     if (!listed_ || !free || about_.draining) continue;
-    // The standby comes first: it needs no write.
-    if (record.standby.number != 0 && record.standby.number != about_.host.number &&
-        !silent(record.standby, now))
+    // The standby comes first: it needs no write. If its heartbeats are missing, suspect() names
+    // it.
+    if (record.standby.number != 0 && record.standby != about_.host && !gone(record.standby))
       continue;
     const SceneRecord claimed = claim(ownership, about_.host, *scene.loaded);
     result.push_back({name, claimed, ownership.revision, true});
@@ -271,16 +271,19 @@ void FleetMember::finish(const Write& write, const WriteAnswer& answer) {
 std::optional<FleetMember::Suspect> FleetMember::suspect(Nanoseconds now) {
   const std::lock_guard lock(mutex_);
   for (auto& [name, scene] : scenes_) {
-    const HostName& owner = scene.ownership.record.owner;
-    if (!(scene.wanted || silent(owner, now)) || gone(owner) || !may_take(scene, now)) continue;
-    const auto asked = asked_.find(owner.number);
+    const SceneRecord& record = scene.ownership.record;
+    if (!(scene.wanted || silent(record.owner, now)) || !may_take(scene, now)) continue;
+    // The standby of an owner that is gone may serve already, while the directory does not know it.
+    const HostName& host = gone(record.owner) ? record.standby : record.owner;
+    if (host.number == 0 || host == about_.host || gone(host)) continue;
+    const auto asked = asked_.find(host.number);
     if (asked != asked_.end() && now - asked->second < kProbeAgain) continue;
     scene.wanted = false;
-    asked_[owner.number] = now;
-    const auto address = address_of(owner, false);
-    if (address) return Suspect{owner, address->address, address->port, address->fingerprint};
+    asked_[host.number] = now;
+    const auto address = address_of(host, false);
+    if (address) return Suspect{host, address->address, address->port, address->fingerprint};
     // Nobody has heard of it while the directory was there: it has left no heartbeat.
-    if (silent(owner, now)) return Suspect{owner, {}, 0, {}};
+    if (silent(host, now)) return Suspect{host, {}, 0, {}};
   }
   return std::nullopt;
 }

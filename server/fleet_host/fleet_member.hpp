@@ -87,7 +87,7 @@ class FleetMember {
   std::vector<Write> writes(Nanoseconds now, std::uint64_t random);
   void finish(const Write& write, const WriteAnswer& answer);
 
-  /// An owner that seems to be gone, to be asked whether it is.
+  /// An owner, or a standby, that seems to be gone, to be asked whether it is.
   struct Suspect {
     HostName host;
     std::string address;

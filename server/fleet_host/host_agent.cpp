@@ -20,9 +20,11 @@ using namespace std::chrono_literals;
 
 constexpr Nanoseconds kBetweenLooks = 20ms, kWatchPatience = 1ms;
 constexpr Nanoseconds kBetweenLists = 30s;  // a watch may miss a change
-constexpr Nanoseconds kWriteAgain = 1s;     // after a write without an answer
-constexpr Nanoseconds kKeyLife = 24h;       // of the key that signs
-constexpr Nanoseconds kAnnounced = 60s;     // until all hosts know the next key
+constexpr Nanoseconds kDeaf = 2 * kBeat;    // of a watch that does not deliver our own heartbeats
+static_assert(kDeaf < kSilent, "the others would be taken for silent");
+constexpr Nanoseconds kWriteAgain = 1s;  // after a write without an answer
+constexpr Nanoseconds kKeyLife = 24h;    // of the key that signs
+constexpr Nanoseconds kAnnounced = 60s;  // until all hosts know the next key
 constexpr std::chrono::milliseconds kProbe{500};
 constexpr int kProbes = 2;  // without an answer: the host is gone
 
@@ -48,10 +50,15 @@ HostAgent::HostAgent(std::shared_ptr<Directory> directory, FleetMember& member,
 HostAgent::~HostAgent() { stop(); }
 
 void HostAgent::start() {
-  hosts_ = directory_->watch(Bucket::hosts);
-  scenes_ = directory_->watch(Bucket::scenes);
+  watch(monotonic_now());
   next_key_ = monotonic_now() + kKeyLife;
   thread_ = std::thread([this] { run(); });
+}
+
+void HostAgent::watch(Nanoseconds now) {
+  hosts_ = directory_->watch(Bucket::hosts);
+  scenes_ = directory_->watch(Bucket::scenes);
+  delivered_ = now;
 }
 
 void HostAgent::stop() {
@@ -100,7 +107,11 @@ void HostAgent::beat(Nanoseconds now) {
   const HostRecord record = member_.heartbeat(callbacks_.load());
   const WriteAnswer answer = directory_->put(Bucket::hosts, record.host.name, encode(record));
   const bool silent = answer.result != WriteResult::written;
-  if (!silent) member_.heard(monotonic_now());
+  if (!silent) {
+    member_.heard(monotonic_now());
+    // A server that held the directory's end of the watches may have died, and another one answers.
+    if (now - delivered_ > kDeaf) watch(now);
+  }
   if (std::exchange(silent_, silent) == silent) return;
   if (silent) {
     spdlog::warn("fleet: the directory does not answer; sessions, joins and takeovers go on");
@@ -114,6 +125,7 @@ void HostAgent::read(Bucket bucket, DirectoryWatch& watch) {
   for (int i = 0; i < kMost; ++i) {
     const auto entry = watch.next(kWatchPatience);
     if (!entry) return;
+    if (bucket == Bucket::hosts) delivered_ = monotonic_now();
     member_.see(bucket, *entry, monotonic_now());
   }
 }

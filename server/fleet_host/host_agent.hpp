@@ -41,6 +41,7 @@ class HostAgent {
   void stop();
 
  private:
+  void watch(Nanoseconds now);
   void run();
   void look(Nanoseconds now);
   void beat(Nanoseconds now);
@@ -56,6 +57,7 @@ class HostAgent {
   AgentCallbacks callbacks_;
   std::filesystem::path keys_;
   std::unique_ptr<DirectoryWatch> hosts_, scenes_;
+  Nanoseconds delivered_{0};  // when the watch of the hosts delivered something
   Nanoseconds next_beat_{0}, next_list_{0}, next_write_{0}, next_key_{0};
   bool announced_ = false;  // the next key is known to the other hosts, and does not sign yet
   bool silent_ = false;     // the directory has not answered, and the log says so

@@ -192,6 +192,31 @@ TEST_F(TwoHosts, AHostWithoutHeartbeatsIsAskedIfTheDirectoryAnswers) {
   EXPECT_EQ(c.member.suspect(100s), std::nullopt);  // the directory says nothing of its own beats
 }
 
+/// The owner has died. The third host hears nothing of the standby, which may serve already.
+TEST_F(TwoHosts, AThirdHostClaimsNothingBeforeTheStandbyWasAsked) {
+  Host c(directory, "c", 33, 3000);
+  c.beat(directory, 2s);
+  c.read(2s);
+  c.member.listed();
+  c.beat(directory, 9s);  // the last beats of the others came at 1 s
+  const auto owner = c.member.suspect(9s);
+  ASSERT_TRUE(owner.has_value());
+  EXPECT_EQ(owner->host, (HostName{"a", 11}));
+  c.member.probed(owner->host, false);
+  c.write(directory, 9s);
+  EXPECT_THAT(c.member.served(), IsEmpty());
+  const auto standby = c.member.suspect(9s);
+  ASSERT_TRUE(standby.has_value());
+  EXPECT_EQ(standby->host, (HostName{"b", 22}));
+  EXPECT_EQ(standby->port, 2000);
+  c.member.probed(standby->host, true);
+  c.write(directory, 9s);
+  EXPECT_THAT(c.member.served(), IsEmpty());
+  c.member.probed(standby->host, false);
+  c.write(directory, 9s);
+  EXPECT_THAT(c.member.served(), ElementsAre("room"));
+}
+
 TEST_F(TwoHosts, AProcessThatBeganAnewIsNotTheOwner) {
   Host again(directory, "a", 12, 1001);
   again.beat(directory, 2s);
