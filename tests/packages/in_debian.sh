@@ -38,5 +38,5 @@ for program in /usr/bin/feltwire-*; do
 done
 # MuJoCo's reader is found, too.
 feltwire-server --explain /usr/share/feltwire/scenes/arm/workcell.json >/dev/null
-systemd-analyze --man=no verify /lib/systemd/system/feltwire-server.service
+systemd-analyze --man=no verify /lib/systemd/system/feltwire-server.service feltwire-server@room.service
 python3 "$here/ten_lines.py"
