@@ -31,6 +31,7 @@ inline constexpr std::size_t kFrameLengthSize = 4;                // [bytes] the
 inline constexpr std::size_t kMaxName = 128;  // [bytes] of a client, scene, device or tool name
 /// [bytes] of a refusal's reason; encode() cuts a longer one.
 inline constexpr std::size_t kMaxReason = 4096;
+inline constexpr std::size_t kMaxKept = 64;     // recordings of one SceneRecordings
 inline constexpr std::size_t kMaxScenes = 256;  // of one server
 /// [bytes] body of a frame before the token was shown: a long frame of a stranger causes no work.
 inline constexpr std::size_t kMaxFirstFrame = 512;
@@ -250,6 +251,28 @@ struct FlightRecordWritten {
   std::string scene;
   std::string file;  // on the server's machine; encode() cuts one longer than kMaxReason
 };
+enum class RecordingAction : std::uint8_t { look, start, stop };
+/// The reason why a recording has ended: nobody's, an admin's, the server's limits, a failure.
+enum class RecordingEnd : std::uint8_t { none, asked, size, time, room, failed };
+struct RecordScene {
+  std::string scene;
+  RecordingAction action = RecordingAction::look;
+};
+struct KeptRecording {
+  std::string name;
+  std::uint64_t bytes = 0;
+  friend bool operator==(const KeptRecording&, const KeptRecording&) = default;
+};
+struct SceneRecordings {
+  std::string scene;
+  std::string folder;       // on the server's machine; encode() cuts one longer than kMaxReason
+  std::string running;      // the name of the file that is written; empty: none
+  double seconds = 0.0;     // [s] of the running recording so far; else of the last one
+  std::uint64_t bytes = 0;  // likewise
+  RecordingEnd ended = RecordingEnd::none;  // of the last one; none: there was none, or one runs
+  std::vector<KeptRecording> kept = {};     // complete ones, the newest first, at most kMaxKept
+  friend bool operator==(const SceneRecordings&, const SceneRecordings&) = default;
+};
 struct GetCounters {
   std::string scene;  // empty: of the control port
 };
@@ -365,7 +388,7 @@ using Message =
                  SetLink, SetLead, WriteFlightRecord, FlightRecordWritten, DescribeScene,
                  SceneDescription, ListSurfaces, SurfaceList, GetSurface, SurfacePart, TakeSurfaces,
                  SurfacesTaken, ListSolids, SolidList, GetBodyPoints, BodyPoints, DescribeShapes,
-                 ShapeDescriptions, GetShape, ShapePart, Redirected>;
+                 ShapeDescriptions, GetShape, ShapePart, Redirected, RecordScene, SceneRecordings>;
 
 const char* name(RefusalCode code);
 

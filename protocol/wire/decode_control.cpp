@@ -172,6 +172,24 @@ bool read(const wire::WriteFlightRecord& from, WriteFlightRecord& to) {
 bool read(const wire::FlightRecordWritten& from, FlightRecordWritten& to) {
   return read_name(from.scene(), to.scene) && read_name(from.file(), to.file, kMaxReason);
 }
+bool read(const wire::RecordScene& from, RecordScene& to) {
+  return read_name(from.scene(), to.scene) && read_enum(from.action(), to.action);
+}
+bool read(const wire::SceneRecordings& from, SceneRecordings& to) {
+  to.seconds = from.seconds();
+  to.bytes = from.bytes();
+  if (from.kept()->size() > kMaxKept || !read_name(from.scene(), to.scene) ||
+      !read_name(from.folder(), to.folder, kMaxReason) ||
+      (from.running() != nullptr && !read_name(from.running(), to.running, kMaxReason)) ||
+      !read_enum(from.ended(), to.ended))
+    return false;
+  for (const wire::KeptRecording* file : *from.kept()) {
+    KeptRecording& kept = to.kept.emplace_back();
+    kept.bytes = file->bytes();
+    if (!read_name(file->name(), kept.name, kMaxReason)) return false;
+  }
+  return true;
+}
 bool read(const wire::ListSurfaces& from, ListSurfaces& to) {
   to.session = from.session();
   return true;
@@ -353,6 +371,10 @@ std::optional<Message> decode(Bytes body) {
       return message<WriteFlightRecord>(*root->body_as_WriteFlightRecord());
     case wire::Body::FlightRecordWritten:
       return message<FlightRecordWritten>(*root->body_as_FlightRecordWritten());
+    case wire::Body::RecordScene:
+      return message<RecordScene>(*root->body_as_RecordScene());
+    case wire::Body::SceneRecordings:
+      return message<SceneRecordings>(*root->body_as_SceneRecordings());
     case wire::Body::ListSurfaces:
       return message<ListSurfaces>(*root->body_as_ListSurfaces());
     case wire::Body::SurfaceList:

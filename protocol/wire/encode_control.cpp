@@ -174,6 +174,23 @@ struct BodyBuilder {
     return wire::CreateFlightRecordWritten(builder, scene,
                                            builder.CreateString(shortened(m.file, kMaxReason)));
   }
+  Offset<wire::RecordScene> operator()(const RecordScene& m) {
+    return wire::CreateRecordScene(builder, builder.CreateString(m.scene),
+                                   wire_enum<wire::RecordingAction>(m.action));
+  }
+  Offset<wire::SceneRecordings> operator()(const SceneRecordings& m) {
+    std::vector<Offset<wire::KeptRecording>> kept;
+    kept.reserve(m.kept.size());
+    for (const KeptRecording& file : m.kept)
+      kept.push_back(wire::CreateKeptRecordingDirect(builder, file.name.c_str(), file.bytes));
+    const auto scene = builder.CreateString(m.scene);
+    const auto folder = builder.CreateString(shortened(m.folder, kMaxReason));
+    const auto running =
+        m.running.empty() ? Offset<flatbuffers::String>() : builder.CreateString(m.running);
+    return wire::CreateSceneRecordings(builder, scene, folder, running, m.seconds, m.bytes,
+                                       wire_enum<wire::RecordingEnd>(m.ended),
+                                       builder.CreateVector(kept));
+  }
   Offset<wire::SceneChanged> operator()(const SceneChanged& m) {
     const auto scene = builder.CreateString(m.scene);
     return wire::CreateSceneChanged(builder, scene,

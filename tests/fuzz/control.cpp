@@ -55,6 +55,11 @@ struct Texts {
     add(m.scene);
     add(m.file);
   }
+  void operator()(const control::RecordScene& m) { add(m.scene); }
+  void operator()(const control::SceneRecordings& m) {
+    for (const std::string& text : {m.scene, m.folder, m.running}) add(text);
+    for (const control::KeptRecording& kept : m.kept) add(kept.name);
+  }
   void operator()(const control::DescribeSessions& m) { add(m.scene); }
   void operator()(const control::SessionDescriptions& m) {
     for (const control::SessionDescription& session : m.sessions) {

@@ -259,6 +259,14 @@ TEST(Control, OtherMessagesRoundTrip) {
   EXPECT_EQ(round_trip(WriteFlightRecord{"a"}).scene, "a");
   EXPECT_EQ(round_trip(FlightRecordWritten{"a", "b.mcap"}).scene, "a");
   EXPECT_EQ(round_trip(FlightRecordWritten{"a", "b.mcap"}).file, "b.mcap");
+  EXPECT_EQ(round_trip(RecordScene{"a", RecordingAction::stop}).scene, "a");
+  EXPECT_EQ(round_trip(RecordScene{"a", RecordingAction::stop}).action, RecordingAction::stop);
+  SceneRecordings recordings{"a", "folder", "", 1.5, 2, RecordingEnd::room, {{"b", 3}, {"c", 4}}};
+  EXPECT_EQ(round_trip(recordings), recordings);
+  recordings.running = "d";
+  EXPECT_EQ(round_trip(recordings), recordings);
+  recordings.kept.resize(kMaxKept + 1);
+  EXPECT_FALSE(decode(body(encode(recordings))));
   EXPECT_EQ(round_trip(DescribeSessions{"a", 7}).after, 7u);
   EXPECT_EQ(round_trip(GetCounters{}).scene, "");
   EXPECT_EQ(round_trip(GetCounters{"a"}).scene, "a");
