@@ -38,6 +38,7 @@ Examples (with the credentials from the server's join: line, and the token of an
   feltwire-client admin set --connect localhost:6720 --session 1 --lead-share 0.5
   feltwire-client admin reload room --connect localhost:6720
   feltwire-client admin record --connect localhost:6720
+  feltwire-client admin recording --start --connect localhost:6720
 A change takes effect at once. It lasts until the next change or until a reload of the scene. The
 file of the scene does not change (docs/admin.md).)";
 
@@ -45,6 +46,7 @@ struct AdminWords {
   std::string connect, scene, session;
   CredentialOptions credentials;
   bool json = false;
+  bool start = false, stop = false;  // a recording
   MaterialChange material;
   std::optional<std::array<double, 3>> gravity;
   BoundWords parameters;
@@ -198,6 +200,32 @@ void record(const ServerAccess& server, const AdminWords& words, const Write& wr
   if (words.json) write(json_list(records));
 }
 
+/// Starts or stops a recording of a scene at the server, or shows the recordings of all scenes that
+/// the token opens.
+void recordings(const ServerAccess& server, const AdminWords& words, const Write& write) {
+  using control::RecordingAction;
+  if (words.start && words.stop)
+    throw std::invalid_argument("--start and --stop exclude each other; give one of them");
+  const RecordingAction action = words.start  ? RecordingAction::start
+                                 : words.stop ? RecordingAction::stop
+                                              : RecordingAction::look;
+  std::vector<std::string> scenes;
+  if (action == RecordingAction::look)
+    scenes = scenes_named(server, words.scene);
+  else
+    scenes.push_back(scene_named(server, words.scene));
+  std::vector<std::string> texts;
+  for (const std::string& scene : scenes) {
+    const auto told =
+        ask_for<control::SceneRecordings>(server, control::RecordScene{scene, action});
+    if (words.json)
+      texts.push_back(recordings_json(told));
+    else
+      write(recordings_lines(told));
+  }
+  if (words.json) write(json_list(texts));
+}
+
 void show_counters(const ServerAccess& server, const AdminWords& words, const Write& write) {
   const std::vector<SeenCounters> counters = counters_of(server);
   write(words.json ? counter_json(counters) : counter_lines(counters));
@@ -337,11 +365,19 @@ std::vector<AdminCommand> add_commands(CLI::App& app, AdminWords& words, Command
                                     "Write the last ten seconds of a scene to a file at the server "
                                     "(--flight-recorder), and print the file name");
   recording->add_option("--scene", words.scene, "Name of the scene. Default: all scenes");
+  CLI::App* keeping = add_command("recording",
+                                  "Show the recordings of the scenes at the server "
+                                  "(--recordings), or start or stop one");
+  keeping->add_flag("--start", words.start, "Start a recording of the scene");
+  keeping->add_flag("--stop", words.stop, "Stop the recording of the scene");
+  keeping->add_option(
+      "--scene", words.scene,
+      "Name of the scene. Needed to start or stop if the server has several scenes");
   CLI::App* counting = add_command("stats", "Show the server's counters");
   return {{scenes, &list_scenes_of}, {sessions, &list_sessions},
           {reloading, &reload},      {evicting, &evict},
           {setting, &set},           {recording, &record},
-          {counting, &show_counters}};
+          {keeping, &recordings},    {counting, &show_counters}};
 }
 
 void run(const std::vector<AdminCommand>& commands, const ServerAccess& server,

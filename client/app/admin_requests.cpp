@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <filesystem>
+#include <iomanip>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include "client/transport/false_answer.hpp"
 #include "client/transport/listing.hpp"
@@ -43,6 +47,20 @@ std::optional<double> scaled(double factor, std::optional<double> value) {
 }
 
 Json number(std::optional<double> value) { return value ? Json(*value) : Json(nullptr); }
+
+/// The names of control::RecordingEnd, and what each says to people.
+constexpr std::array<std::pair<const char*, const char*>, 6> kRecordingEnds = {
+    {{"none", ""},
+     {"asked", ""},
+     {"size", "its largest size was reached"},
+     {"time", "its longest time was reached"},
+     {"room", "the disk has too little room"},
+     {"failed", "the file could not be written, and the server's log says why"}}};
+
+std::string why_ended(control::RecordingEnd end) {
+  const std::string why = kRecordingEnds.at(static_cast<std::size_t>(end)).second;
+  return why.empty() ? "" : "; the last one ended: " + why;
+}
 
 Json json_of(const SeenSession& seen) {
   const auto& [scene, s] = seen;
@@ -252,6 +270,43 @@ std::string counter_lines(const std::vector<SeenCounters>& counters) {
       text += "  " + visible(counter.name) + " " + std::to_string(counter.value) + "\n";
   }
   return text;
+}
+
+std::string recordings_lines(const control::SceneRecordings& recordings) {
+  const std::filesystem::path folder = recordings.folder;
+  const auto size = [](std::uint64_t bytes) {
+    constexpr double kMegabyte = 1e6;
+    std::ostringstream text;
+    text << std::fixed << std::setprecision(1) << static_cast<double>(bytes) / kMegabyte << " MB";
+    return text.str();
+  };
+  std::ostringstream lines;
+  lines << "scene " << visible(recordings.scene) << ": ";
+  if (!recordings.running.empty())
+    lines << "records to " << visible((folder / recordings.running).string()) << " since "
+          << std::fixed << std::setprecision(0) << recordings.seconds << " s, "
+          << size(recordings.bytes);
+  else
+    lines << "no recording runs" << why_ended(recordings.ended);
+  lines << "\n";
+  for (const control::KeptRecording& kept : recordings.kept)
+    lines << "  " << visible((folder / kept.name).string()) << "  " << size(kept.bytes) << "\n";
+  return lines.str();
+}
+
+std::string recordings_json(const control::SceneRecordings& recordings) {
+  const bool runs = !recordings.running.empty();
+  Json kept = Json::array();
+  for (const control::KeptRecording& file : recordings.kept)
+    kept.push_back({{"name", visible(file.name)}, {"bytes", file.bytes}});
+  const Json told = {{"scene", visible(recordings.scene)},
+                     {"folder", visible(recordings.folder)},
+                     {"running", runs ? Json(visible(recordings.running)) : Json()},
+                     {"seconds", recordings.seconds},
+                     {"bytes", recordings.bytes},
+                     {"ended", kRecordingEnds.at(static_cast<std::size_t>(recordings.ended)).first},
+                     {"kept", std::move(kept)}};
+  return told.dump(2);
 }
 
 std::string counter_json(const std::vector<SeenCounters>& counters) {

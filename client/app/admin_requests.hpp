@@ -56,6 +56,12 @@ void write_session_json(const SeenSessions& sessions,
 std::string counter_lines(const std::vector<SeenCounters>& counters);
 std::string counter_json(const std::vector<SeenCounters>& counters);
 
+/// The recordings of a scene at the server: a line for the one that runs or ran last, and a line
+/// for each complete file.
+std::string recordings_lines(const control::SceneRecordings& recordings);
+/// These recordings as a JSON object, without a line break at its end.
+std::string recordings_json(const control::SceneRecordings& recordings);
+
 /// The values of an answer, each with its name.
 using AnswerFields = std::vector<std::pair<std::string, std::variant<std::string, std::uint32_t>>>;
 /// The scene, the number and the id of a session.

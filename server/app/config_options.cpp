@@ -77,6 +77,10 @@ void add_serving(CLI::App& app, ServerConfig& config) {
       "Folder for a recording of the last ten seconds of a scene. The server writes it after a "
       "session that its client did not end, after an overdrawn energy account, and at SIGUSR1");
   app.add_option(
+      "--recordings", config.recording.folder,
+      "Folder for recordings that admins start and stop on the live page, or with feltwire-client "
+      "admin recording. Each ends at --record-max-mib (1024) and --record-max-seconds (3600)");
+  app.add_option(
          "--web-hands", config.web_hands,
          "Largest number of hands that viewers of the live page move at the same time, by mouse or "
          "touch. 0: none")
@@ -170,8 +174,9 @@ void add_config_options(CLI::App& app, ServerConfig& config) {
 
 std::string server_file_value(std::string_view option, const std::string& value,
                               const std::filesystem::path& folder) {
-  constexpr std::array<std::string_view, 8> kFiles = {
-      "scene", "state", "certificate", "key", "client-ca", "tokens", "record", "flight-recorder"};
+  constexpr std::array<std::string_view, 9> kFiles = {"scene",  "state",           "certificate",
+                                                      "key",    "client-ca",       "tokens",
+                                                      "record", "flight-recorder", "recordings"};
   if (std::ranges::count(kFiles, option) > 0) return (folder / value).string();
   // JSON has no infinity.
   if (option == "busy-poll" && value == "-1") return "inf";

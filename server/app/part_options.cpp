@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <asio/ip/address.hpp>
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 #include "protocol/net/busy_poll.hpp"
@@ -66,9 +67,15 @@ void warn_of_spinning(Nanoseconds busy_poll, std::size_t scenes) {
 }
 
 RecorderOptions recorder_options(const ServerConfig& config) {
+  AskedRecordingOptions asked;
+  asked.folder = config.recording.folder;
+  if (std::isfinite(config.recording.max_mib)) asked.limits.mebibytes = config.recording.max_mib;
+  if (std::isfinite(config.recording.max_seconds))
+    asked.limits.seconds = config.recording.max_seconds;
   return {.file = config.recording.file,
           .limits = {config.recording.max_mib, config.recording.max_seconds},
-          .flight_folder = config.recording.flight_folder};
+          .flight_folder = config.recording.flight_folder,
+          .asked = asked};
 }
 
 }  // namespace feltwire

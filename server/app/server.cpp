@@ -90,7 +90,8 @@ struct Server::Parts {
                 {.reload = [this](std::size_t host,
                                   AdminService::Reloaded done) { reload(host, std::move(done)); },
                  .connections = [this] { return control->counters(); },
-                 .write_flight = flight_writer(config)}),
+                 .write_flight = flight_writer(config),
+                 .record = recording_actor(config)}),
         security_files(config),
         certificate(security.identity.certificate),
         client_authorities(security.client_authorities),
@@ -155,6 +156,7 @@ struct Server::Parts {
       });
     };
     page.write_flight = flight_writer(config);
+    page.record = recording_actor(config);
     std::vector<SceneInView*> scenes;
     for (const auto& host : hosts) scenes.push_back(host.get());
     web = std::make_unique<web::WebServer>(page, scenes, std::move(security.tokens),
@@ -193,21 +195,39 @@ struct Server::Parts {
     if (metrics != nullptr) metrics->renew(identity);
   }
 
+  /// Returns a function for another thread that calls `done` on the control thread. `done` may own
+  /// a connection, which must be destroyed there.
+  template <class Outcome>
+  std::function<void(Outcome)> on_control_thread(std::function<void(Outcome)> done) {
+    auto asked = std::make_shared<std::function<void(Outcome)>>(std::move(done));
+    return [this, asked = std::move(asked)](Outcome outcome) {
+      post_patiently(post_to(io), [asked, outcome = std::move(outcome)] {
+        const auto tell = std::exchange(*asked, {});
+        tell(outcome);
+      });
+    };
+  }
+
   /// Returns the function that writes a flight record. Empty if there is no flight recorder.
   AdminService::WriteFlight flight_writer(const ServerConfig& config) {
     if (config.recording.flight_folder.empty()) return {};
     return [this](std::size_t scene, AdminService::FlightWritten done) {
-      // `done` may own a connection, which must be destroyed on the control thread.
-      auto asked = std::make_shared<AdminService::FlightWritten>(std::move(done));
       recorder->ask_for_flight_record(
-          scene, [this, asked = std::move(asked)](std::optional<std::filesystem::path> file) {
-            post_patiently(post_to(io), [asked, file = std::move(file)] {
-              const auto tell = std::exchange(*asked, {});
-              if (file) return tell(file->string());
-              tell(Refused{RefusalCode::failed,
-                           "the flight record could not be written; the server's log says why"});
-            });
-          });
+          scene,
+          on_control_thread<std::optional<std::filesystem::path>>(
+              [done = std::move(done)](const std::optional<std::filesystem::path>& file) {
+                if (file) return done(file->string());
+                done(Refused{RefusalCode::failed,
+                             "the flight record could not be written; the server's log says why"});
+              }));
+    };
+  }
+
+  /// Returns the function that starts and stops recordings. Empty if there is no folder for them.
+  AdminService::Record recording_actor(const ServerConfig& config) {
+    if (config.recording.folder.empty()) return {};
+    return [this](std::size_t scene, control::RecordingAction action, AdminService::Recorded done) {
+      recorder->record(scene, action, on_control_thread(std::move(done)));
     };
   }
 

@@ -26,9 +26,10 @@ struct ConnectionConfig {
 /// The files that the server writes about its scenes.
 struct RecordingConfig {
   std::filesystem::path file;           // FILE.mcap for the inputs of a scene; empty: none
-  double max_mib = HUGE_VAL;            // of one file of several
+  double max_mib = HUGE_VAL;            // of one file of several, or of an admin's recording
   double max_seconds = HUGE_VAL;        // the same
   std::filesystem::path flight_folder;  // of flight records; empty: none
+  std::filesystem::path folder;         // of recordings that admins start; empty: none
 };
 
 struct LogConfig {

@@ -35,6 +35,11 @@ Refused no_flight_recorder() {
           "this server keeps no flight record; start it with --flight-recorder DIR"};
 }
 
+Refused no_recordings() {
+  return {RefusalCode::not_supported,
+          "admins start no recordings at this server; start it with --recordings DIR"};
+}
+
 }  // namespace
 
 AdminService::AdminService(asio::io_context& io, SceneHosts& hosts, SessionDirectory& directory,
@@ -135,6 +140,10 @@ bool AdminService::handle(PendingRequest& asked, const control::Message& request
     write_flight(std::move(asked), *flight);
     return true;
   }
+  if (const auto* recording = std::get_if<control::RecordScene>(&request)) {
+    record(std::move(asked), *recording);
+    return true;
+  }
   if (const auto* counters = std::get_if<control::GetCounters>(&request)) {
     count(std::move(asked), *counters);
     return true;
@@ -228,6 +237,25 @@ void AdminService::write_flight(PendingRequest asked, const control::WriteFlight
                                         std::variant<std::string, Refused> outcome) {
         if (auto* refused = std::get_if<Refused>(&outcome)) return answer(std::move(*refused));
         answer(control::FlightRecordWritten{name, std::move(std::get<std::string>(outcome))});
+      });
+}
+
+void AdminService::record(PendingRequest asked, const control::RecordScene& request) {
+  const auto scene = scene_for(asked.token, request.scene, Role::admin);
+  if (const auto* refused = std::get_if<Refused>(&scene)) return asked.answer(*refused);
+  if (!callbacks_.record) return asked.answer(no_recordings());
+  if (request.action != control::RecordingAction::look) {
+    if (auto refused = limits_.check_changes(asked.token.client))
+      return asked.answer(*std::move(refused));
+    spdlog::info("scene {}: client {} (token {}) {} a recording", visible(request.scene),
+                 visible(asked.token.client), asked.token.id,
+                 request.action == control::RecordingAction::start ? "starts" : "stops");
+  }
+  asked.peer.waits = true;
+  callbacks_.record(
+      std::get<std::size_t>(scene), request.action,
+      [answer = std::move(asked.answer)](std::variant<control::SceneRecordings, Refused> outcome) {
+        std::visit([&](auto& told) { answer(std::move(told)); }, outcome);
       });
 }
 

@@ -26,9 +26,9 @@ namespace feltwire {
 std::vector<std::pair<std::string_view, std::uint64_t>> named_counters(
     const ControlCounters& connections, const ServiceCounters& requests);
 
-/// Answers admins (evictions, reloads, live changes, flight records, counters) and observers (the
-/// state of a scene and of its sessions). Owns the callbacks to the rest of the server that these
-/// requests need. It is on the control thread.
+/// Answers admins (evictions, reloads, live changes, flight records, recordings, counters) and
+/// observers (the state of a scene and of its sessions). Owns the callbacks to the rest of the
+/// server that these requests need. It is on the control thread.
 class AdminService {
  public:
   /// The error of a reload; empty: it succeeded.
@@ -40,6 +40,12 @@ class AdminService {
   /// Writes the flight record of a host's scene; `done` is called with its name on the control
   /// thread.
   using WriteFlight = std::function<void(std::size_t host, FlightWritten done)>;
+  using Recorded =
+      std::function<void(std::variant<control::SceneRecordings, control::Refused> outcome)>;
+  /// Starts or stops a recording of a host's scene, or only looks; `done` is called on the control
+  /// thread.
+  using Record =
+      std::function<void(std::size_t host, control::RecordingAction action, Recorded done)>;
   /// Returns the counters of the control port's connections.
   using CountConnections = std::function<ControlCounters()>;
 
@@ -47,6 +53,7 @@ class AdminService {
     Reload reload;
     CountConnections connections = {};  // empty: all zero
     WriteFlight write_flight = {};      // empty: there is no flight recorder
+    Record record = {};                 // empty: admins start no recordings
   };
   /// `io` runs on the control thread. All references outlive this.
   AdminService(asio::io_context& io, SceneHosts& hosts, SessionDirectory& directory,
@@ -69,6 +76,7 @@ class AdminService {
   void change(PendingRequest asked, const std::string& name, LiveChange change);
   void change_session(PendingRequest asked, std::uint64_t session, LiveChange change);
   void write_flight(PendingRequest asked, const control::WriteFlightRecord& request);
+  void record(PendingRequest asked, const control::RecordScene& request);
   void count(PendingRequest asked, const control::GetCounters& request);
 
   asio::io_context& io_;

@@ -57,6 +57,9 @@ Recorder::Recorder(const RecorderOptions& options, const std::vector<Scene>& sce
     if (!options.flight_folder.empty())
       scene.flight = std::make_unique<FlightRecorder>(
           options.flight_folder, name_in_files(names[i], i), about_recording(names[i]), offset);
+    if (!options.asked.folder.empty())
+      scene.asked = std::make_unique<AskedRecording>(options.asked, names[i],
+                                                     name_in_files(names[i], i), offset);
   }
 }
 
@@ -88,6 +91,7 @@ void Recorder::run() {
   for (const auto& scene : scenes_) {
     write(*scene, [](SceneRecording& recording) { recording.finish(); });
     if (scene->flight != nullptr) scene->flight->write_if_due(false, kForever);
+    if (scene->asked != nullptr) scene->asked->finish();
   }
 }
 
@@ -123,6 +127,22 @@ void Recorder::look_after_flights(OneScene& scene) {
   for (const FlightWritten& written : wanted) written(file);
 }
 
+void Recorder::record(std::size_t scene, control::RecordingAction action, Recorded done) {
+  const std::lock_guard lock(mutex_);
+  scenes_[scene]->actions.emplace_back(action, std::move(done));
+}
+
+void Recorder::look_after_asked(OneScene& scene) {
+  std::vector<std::pair<control::RecordingAction, Recorded>> actions;
+  {
+    const std::lock_guard lock(mutex_);
+    actions.swap(scene.actions);
+  }
+  const Nanoseconds now = monotonic_now();
+  scene.asked->look_after(now);
+  for (const auto& [action, done] : actions) done(scene.asked->act(action, now));
+}
+
 void Recorder::look() {
   for (const auto& scene : scenes_) look(*scene);
 }
@@ -133,11 +153,15 @@ void Recorder::look(OneScene& scene) {
         event->kind == EventKind::reload ? scene.log.files_of(event->number) : nullptr;
     write(scene, [&](SceneRecording& recording) { recording.add(*event, files.get()); });
     if (scene.flight != nullptr) scene.flight->add(*event);
+    if (scene.asked != nullptr) scene.asked->add(*event);
   }
-  if (scene.pictures != nullptr && scene.pictures->take(scene.picture))
+  if (scene.pictures != nullptr && scene.pictures->take(scene.picture)) {
     write(scene, [&](SceneRecording& recording) { recording.see(scene.picture); });
+    if (scene.asked != nullptr) scene.asked->see(scene.picture);
+  }
   write(scene, [](SceneRecording& recording) { recording.flush(); });
   if (scene.flight != nullptr) look_after_flights(scene);
+  if (scene.asked != nullptr) look_after_asked(scene);
   if (const std::uint64_t lost = scene.log.lost(); lost > scene.told_lost / 2 * 3) {
     scene.told_lost = lost;
     spdlog::warn(

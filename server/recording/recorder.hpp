@@ -8,9 +8,13 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "core/scene/scene.hpp"
+#include "protocol/wire/control.hpp"
+#include "server/recording/asked_recording.hpp"
 #include "server/recording/flight_recorder.hpp"
 #include "server/recording/scene_recording.hpp"
 
@@ -20,7 +24,8 @@ struct RecorderOptions {
   std::filesystem::path file = {};  // for the only scene; empty: none is written
   RecordingLimits limits{};
   std::filesystem::path flight_folder = {};  // for flight records; empty: none is written
-  bool any() const { return !file.empty() || !flight_folder.empty(); }
+  AskedRecordingOptions asked = {};          // recordings that admins start
+  bool any() const { return !file.empty() || !flight_folder.empty() || !asked.folder.empty(); }
 };
 
 /// Returns a scene's name for a file name: other characters than letters, digits, '-' and '_'
@@ -61,6 +66,14 @@ class Recorder {
   /// folder for them.
   void ask_for_flight_record(std::size_t scene, FlightWritten written);
 
+  /// Called on the recorder's thread with the recordings of a scene, or with the reason of a
+  /// refusal. It must not throw.
+  using Recorded =
+      std::function<void(std::variant<control::SceneRecordings, control::Refused> outcome)>;
+  /// Starts or stops a recording of one scene, or only looks. From any thread. Precondition: there
+  /// is a folder for them.
+  void record(std::size_t scene, control::RecordingAction action, Recorded done);
+
  private:
   struct OneScene {
     OneScene(std::string scene, std::shared_ptr<const CapturedFiles> kept);
@@ -72,13 +85,16 @@ class Recorder {
     std::unique_ptr<SceneRecording> recording;  // null: none, or it failed
     std::unique_ptr<FlightRecorder> flight;     // null: none
     std::uint64_t told_lost = 0;
-    std::vector<FlightWritten> wanted;  // guarded
+    std::unique_ptr<AskedRecording> asked;                               // null: admins start none
+    std::vector<FlightWritten> wanted;                                   // guarded
+    std::vector<std::pair<control::RecordingAction, Recorded>> actions;  // guarded
   };
 
   void run();
   void look();
   void look(OneScene& scene);
   void look_after_flights(OneScene& scene);
+  void look_after_asked(OneScene& scene);
   template <class Action>
   void write(OneScene& scene, Action action);
 

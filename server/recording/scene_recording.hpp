@@ -47,6 +47,8 @@ class SceneRecording {
   void add(const SceneEvent& event, const CapturedFiles* files = nullptr);
   void see(const Picture& picture);
   void flush() { part_->flush(); }
+  /// [bytes] of the present file so far.
+  std::uint64_t bytes() const { return part_->file.size(); }
   /// Waits until all is on the disk.
   void finish();
 

@@ -251,7 +251,8 @@ class Reading {
     if (event.number != 1)
       throw FileError(file + ": begins with event " + std::to_string(event.number) +
                       ", and a replay needs all from the first; give all files of the recording. "
-                      "A flight record is there to be looked at");
+                      "A flight record, or a recording that an admin started later, is there to be "
+                      "looked at");
     for (const mcap::Metadata& metadata : mcap.metadata()) {
       if (metadata.name != "feltwire") continue;
       result_.scene = value(metadata, "scene");

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -19,6 +20,9 @@
 
 namespace feltwire::web {
 namespace {
+
+constexpr const char* kNoRecordings =
+    "admins start no recordings at this server; start it with --recordings DIR";
 
 /// Returns the session id that the decimal digits give; 0 if the text is no number.
 std::uint64_t session_id(std::string_view digits) {
@@ -41,13 +45,13 @@ bool refuse_as_observer(const ViewerSlot& slot) {
 
 }  // namespace
 
-AdminActions::AdminActions(asio::io_context& io, ViewerTokens& tokens, const ViewerSlots& viewers,
-                           Reload reload, WriteFlight write_flight)
+AdminActions::AdminActions(asio::io_context& io, ViewerTokens& tokens, ViewTickets& tickets,
+                           ViewerSlots& viewers, Callbacks callbacks)
     : io_(io),
       tokens_(tokens),
+      tickets_(tickets),
       viewers_(viewers),
-      reload_(std::move(reload)),
-      write_flight_(std::move(write_flight)) {}
+      callbacks_(std::move(callbacks)) {}
 
 /// Returns the token that makes the viewer an admin of the scene that it watches; null if there is
 /// none.
@@ -62,7 +66,8 @@ const Token* AdminActions::admin_token(const ViewerSlot& slot) const {
 }
 
 AdminActions::Outcome AdminActions::handle(ViewerSlot& slot, const ViewerMessage& message) {
-  if (!message.admin && !message.set && !message.evict && !message.reload && !message.record)
+  if (!message.admin && !message.set && !message.evict && !message.reload && !message.record &&
+      !message.recording && !message.download)
     return Outcome::not_asked;
   if (refuse_as_observer(slot)) return Outcome::handled;
   tokens_.refresh();
@@ -79,6 +84,10 @@ AdminActions::Outcome AdminActions::handle(ViewerSlot& slot, const ViewerMessage
     evict(slot, *message.evict);
   } else if (message.record) {
     write_flight(slot);
+  } else if (message.recording) {
+    record(slot, *message.recording);
+  } else if (message.download) {
+    give_download(slot, *message.download);
   } else {
     reload(slot);
   }
@@ -169,27 +178,115 @@ void AdminActions::evict(ViewerSlot& slot, const std::string& session) {
 }
 
 void AdminActions::reload(ViewerSlot& slot) {
-  if (!reload_)
+  if (!callbacks_.reload)
     return slot.viewer->send(
         refused("the scenes of this server do not come from files, so they cannot be reloaded"));
   spdlog::info("scene {} is reloaded by {}", visible(slot.scene->name()), author(slot));
-  reload_(slot.scene->index());
+  callbacks_.reload(slot.scene->index());
 }
 
 void AdminActions::write_flight(ViewerSlot& slot) {
-  if (!write_flight_)
+  if (!callbacks_.write_flight)
     return slot.viewer->send(
         refused("this server keeps no flight record; start it with --flight-recorder DIR"));
   spdlog::info("scene {}: {} asks for a flight record", visible(slot.scene->name()), author(slot));
-  write_flight_(slot.scene->index(), [this, id = slot.id, alive = std::weak_ptr(alive_)](
-                                         std::variant<std::string, control::Refused> outcome) {
-    asio::post(io_, [this, id, alive, outcome = std::move(outcome)] {
-      if (alive.expired()) return;
-      const auto* no = std::get_if<control::Refused>(&outcome);
-      answer(id, no != nullptr ? refused(no->reason)
-                               : changed_text("flight record: " + std::get<std::string>(outcome)));
+  callbacks_.write_flight(
+      slot.scene->index(), [this, id = slot.id, alive = std::weak_ptr(alive_)](
+                               std::variant<std::string, control::Refused> outcome) {
+        asio::post(io_, [this, id, alive, outcome = std::move(outcome)] {
+          if (alive.expired()) return;
+          const auto* no = std::get_if<control::Refused>(&outcome);
+          answer(id, no != nullptr
+                         ? refused(no->reason)
+                         : changed_text("flight record: " + std::get<std::string>(outcome)));
+        });
+      });
+}
+
+/// Asks the recorder, and calls `take` with its answer on the page's thread.
+template <class Take>
+void AdminActions::ask_recorder(std::size_t scene, control::RecordingAction action, Take take) {
+  callbacks_.record(
+      scene, action,
+      [this, take = std::move(take), alive = std::weak_ptr(alive_)](Recordings outcome) {
+        asio::post(io_, [take, alive, outcome = std::move(outcome)] {
+          if (!alive.expired()) take(outcome);
+        });
+      });
+}
+
+/// Sends the recordings of a scene to its admins, unless they have this text already.
+void AdminActions::show(std::size_t scene, const control::SceneRecordings& recordings) {
+  const std::string text = recordings_text(recordings);
+  for (auto& [id, slot] : viewers_) {
+    if (slot.foxglove || !is_admin(slot) || slot.scene->index() != scene || slot.recordings == text)
+      continue;
+    slot.recordings = text;
+    slot.viewer->send(text);
+  }
+}
+
+void AdminActions::look_after(Nanoseconds now) {
+  constexpr Nanoseconds kBetweenLooks = std::chrono::seconds(1);
+  if (!callbacks_.record || now - looked_ < kBetweenLooks) return;
+  looked_ = now;
+  std::set<std::size_t> scenes;
+  for (const auto& [id, slot] : viewers_)
+    if (!slot.foxglove && is_admin(slot)) scenes.insert(slot.scene->index());
+  for (const std::size_t scene : scenes)
+    ask_recorder(scene, control::RecordingAction::look, [this, scene](const Recordings& outcome) {
+      if (const auto* told = std::get_if<control::SceneRecordings>(&outcome)) show(scene, *told);
     });
-  });
+}
+
+void AdminActions::record(ViewerSlot& slot, const std::string& action) {
+  if (!callbacks_.record) return slot.viewer->send(refused(kNoRecordings));
+  if (action != "start" && action != "stop")
+    return slot.viewer->send(refused("a recording can be told start and stop, not " + action));
+  const bool starts = action == "start";
+  spdlog::info("scene {}: {} {} a recording", visible(slot.scene->name()), author(slot),
+               starts ? "starts" : "stops");
+  const std::size_t scene = slot.scene->index();
+  ask_recorder(scene, starts ? control::RecordingAction::start : control::RecordingAction::stop,
+               [this, scene, id = slot.id](const Recordings& outcome) {
+                 if (const auto* no = std::get_if<control::Refused>(&outcome))
+                   return answer(id, refused(no->reason));
+                 show(scene, std::get<control::SceneRecordings>(outcome));
+               });
+}
+
+/// Gives the viewer a ticket for a complete recording of its scene. The name must be one of those
+/// that the recorder lists, so it is never part of a path.
+void AdminActions::give_download(ViewerSlot& slot, const std::string& name) {
+  if (!callbacks_.record) return slot.viewer->send(refused(kNoRecordings));
+  ask_recorder(
+      slot.scene->index(), control::RecordingAction::look,
+      [this, name, id = slot.id, token = admin_token(slot)->id,
+       scene = slot.scene->name()](const Recordings& outcome) {
+        const auto* told = std::get_if<control::SceneRecordings>(&outcome);
+        const Token* by = tokens_.find(token);
+        if (told == nullptr) return answer(id, refused(std::get<control::Refused>(outcome).reason));
+        if (by == nullptr) return;
+        const auto kept = std::ranges::find(told->kept, name, &control::KeptRecording::name);
+        if (kept == told->kept.end())
+          return answer(id, refused("there is no complete recording '" + name + "' of this scene"));
+        const Secret ticket = tickets_.mint(*by, scene, calendar_now(),
+                                            std::filesystem::path(told->folder) / kept->name);
+        answer(id, download_text(name, ticket.text()));
+      });
+}
+
+std::optional<std::filesystem::path> AdminActions::redeem_download(std::string_view text) {
+  auto ticket = tickets_.redeem(text, calendar_now());
+  if (!ticket || ticket->file.empty()) return std::nullopt;
+  tokens_.refresh();
+  const Token* token = tokens_.find(ticket->token);
+  if (token == nullptr || expired(*token, calendar_now()) || !covers(token->role, Role::admin) ||
+      !opens(*token, ticket->scene))
+    return std::nullopt;
+  spdlog::info("scene {}: client {} (token {}) downloads {}", visible(ticket->scene),
+               visible(token->client), token->id, visible(ticket->file.string()));
+  return std::move(ticket->file);
 }
 
 }  // namespace feltwire::web

@@ -9,6 +9,7 @@ namespace feltwire::web {
 namespace {
 
 constexpr std::chrono::seconds kWriteTime{10};  // longest time of a write to a viewer
+constexpr std::chrono::seconds kPieceTime{60};  // longest time of a piece of a file to a client
 constexpr std::chrono::seconds kCloseTime{2};   // longest wait for the answer to a close
 
 }  // namespace
@@ -193,10 +194,31 @@ void Connection::pump() {
 /// more than kMostDiscarded, or until the deadline. Closing a socket with unread bytes would reset
 /// the connection, and the answer would be lost.
 void Connection::write_last(HttpResponse last) {
-  stream_->write({std::move(last.bytes), last.body}, safely([this](const std::error_code& error) {
+  // A connection with a ticket for a file is no stranger any more.
+  if (last.file != nullptr) host_.admitted(id_);
+  stream_->write({std::move(last.bytes), last.body},
+                 safely([this, file = std::move(last.file)](const std::error_code& error) {
                    if (error) return end();
+                   if (file != nullptr) return write_file(file);
                    stream_->end_writing();
                    discard();
+                 }));
+}
+
+/// Writes the rest of the file, one piece after another: the next one is read when the last one is
+/// written. So a slow client costs the memory of one piece.
+void Connection::write_file(const std::shared_ptr<SentFile>& file) {
+  std::vector<std::uint8_t> piece = file->next();
+  if (piece.empty()) {
+    set_deadline(kCloseTime);
+    host_.parting(id_);
+    stream_->end_writing();
+    return discard();
+  }
+  set_deadline(kPieceTime);
+  stream_->write({std::move(piece), {}}, safely([this, file](const std::error_code& error) {
+                   if (error) return end();
+                   write_file(file);
                  }));
 }
 

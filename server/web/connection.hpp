@@ -48,6 +48,7 @@ class Connection : public Viewer, public std::enable_shared_from_this<Connection
   void pump();
   void part();
   void write_last(HttpResponse last);
+  void write_file(const std::shared_ptr<SentFile>& file);
   void discard();
   bool discards(std::size_t count);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "server/web/authority.hpp"
@@ -205,6 +206,32 @@ HttpResponse ticket(const HttpRequest& request, const std::string& authority, co
                kNoStore);
 }
 
+/// Sends a recording. Redeems the ticket last, so that another error does not use it up.
+HttpResponse recording(const HttpRequest& request, const Site& site) {
+  if (request.method != "GET")
+    return plain(kNotAllowed, "only GET is answered\n", "Allow: GET\r\n");
+  const auto shown = query_value(request.query, "ticket");
+  const auto path = shown && site.redeem_download ? site.redeem_download(*shown) : std::nullopt;
+  if (!path) {
+    if (auto refused = too_many(site)) return *std::move(refused);
+    return plain(kForbidden,
+                 "the ticket is not good: each is for one download, within a minute; take a new "
+                 "one on the page\n",
+                 kNoStore);
+  }
+  HttpResponse answer;
+  try {
+    answer.file = std::make_shared<SentFile>(*path);
+  } catch (const std::system_error&) {
+    return plain(kNotFound, "the recording is there no more\n", kNoStore);
+  }
+  // The server has made the name of letters, digits, '-', '_' and '.'.
+  answer.bytes = bytes_of(head(kOk, "application/octet-stream", answer.file->size(),
+                               "Content-Disposition: attachment; filename=\"" +
+                                   path->filename().string() + "\"\r\n" + std::string(kNoStore)));
+  return answer;
+}
+
 HttpResponse asset(const HttpRequest& request, std::span<const PageAsset> page) {
   if (page.empty())
     return plain(kUnavailable,
@@ -260,6 +287,7 @@ HttpResponse http_response(const HttpRequest* request, const Site& site) {
     return plain(kNotFound, "this port has /metrics, /health and /ready alone\n");
   if (request->path == kLivePath) return live(*request, *authority, site);
   if (request->path == kFoxglovePath) return foxglove(*request, site);
+  if (request->path == kRecordingPath) return recording(*request, site);
   if (request->path == kTicketPath) return ticket(*request, *authority, site);
   // This port answers only after all scenes are loaded and all ports are open.
   if (request->path == "/health") return plain(kOk, "ok\n", kNoStore);

@@ -2,7 +2,9 @@
 // The answers to requests at the live page's port. It has no socket.
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,6 +13,7 @@
 
 #include "server/web/http_request.hpp"
 #include "server/web/page_assets.hpp"
+#include "server/web/sent_file.hpp"
 #include "server/web/shared_bytes.hpp"
 #include "server/web/view_tickets.hpp"
 
@@ -22,6 +25,8 @@ inline constexpr std::string_view kLivePath = "/live";
 inline constexpr std::string_view kLiveProtocol = "feltwire.live.v1";
 /// The path of the WebSocket for viewers of the Foxglove protocol, and the path for a ticket.
 inline constexpr std::string_view kFoxglovePath = "/foxglove", kTicketPath = "/ticket";
+/// The path of a recording of the server, with a ticket for it.
+inline constexpr std::string_view kRecordingPath = "/recording";
 
 /// The content of the site and the rules for its requests.
 struct Site {
@@ -42,6 +47,9 @@ struct Site {
   std::function<bool()> may_try_again = {};
   /// Redeems a ticket, which is void from then on.
   std::function<std::optional<ViewTicket>(std::string_view ticket)> redeem = {};
+  /// Redeems a ticket of a recording, which is void from then on: its file. Empty: there are no
+  /// recordings.
+  std::function<std::optional<std::filesystem::path>(std::string_view ticket)> redeem_download = {};
 };
 
 /// An answer as bytes. `upgraded`: the connection becomes a WebSocket; otherwise it ends.
@@ -50,6 +58,7 @@ struct HttpResponse {
   bool upgraded = false;
   std::optional<ViewTicket> ticket = {};  // the viewer's ticket
   SharedBytes body = {};                  // after the bytes: a file of the page
+  std::shared_ptr<SentFile> file = {};    // after the bytes: a recording; null: none
 };
 
 /// Answers a request; null: a malformed one.

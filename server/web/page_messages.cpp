@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -157,6 +158,28 @@ std::string changed_text(std::string_view what) {
 
 std::string refused(std::string_view reason) {
   return json_text::object({{"type", text("refused")}, {"text", text(reason)}});
+}
+
+std::string recordings_text(const control::SceneRecordings& recordings) {
+  constexpr std::array<const char*, 6> kEnds = {"none", "asked", "size", "time", "room", "failed"};
+  std::vector<std::string> kept;
+  kept.reserve(recordings.kept.size());
+  for (const control::KeptRecording& file : recordings.kept)
+    kept.push_back(json_text::object({{"name", text(file.name)}, {"bytes", number(file.bytes)}}));
+  return json_text::object(
+      {{"type", text("recordings")},
+       {"scene", text(recordings.scene)},
+       {"running", recordings.running.empty() ? "null" : text(recordings.running)},
+       {"seconds", number(std::floor(recordings.seconds))},
+       {"bytes", number(recordings.bytes)},
+       {"ended", text(kEnds.at(static_cast<std::size_t>(recordings.ended)))},
+       {"kept", json_text::list(kept)}});
+}
+
+std::string download_text(std::string_view name, std::string_view ticket) {
+  return json_text::object({{"type", text("download")},
+                            {"name", text(name)},
+                            {"path", text("/recording?ticket=" + std::string(ticket))}});
 }
 
 std::string admin_text() {

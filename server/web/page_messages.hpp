@@ -12,6 +12,7 @@
 
 #include "core/scene/scene.hpp"
 #include "protocol/session/role.hpp"
+#include "protocol/wire/control.hpp"
 #include "server/picture/picture.hpp"
 #include "server/web/page_hands.hpp"
 
@@ -34,6 +35,10 @@ std::string materials_text(const Scene& scene, std::uint32_t version,
 /// The answer to an admin's request: it was done, or the reason why not.
 std::string changed_text(std::string_view what);
 std::string refused(std::string_view reason);
+/// The recordings of a scene at the server, for its admins.
+std::string recordings_text(const control::SceneRecordings& recordings);
+/// The address of a recording, which may be fetched once with this ticket.
+std::string download_text(std::string_view name, std::string_view ticket);
 /// A second token has made the viewer an admin.
 std::string admin_text();
 /// A line for people. Level: info, warning, error.

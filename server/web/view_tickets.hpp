@@ -1,8 +1,9 @@
 #pragma once
-// Tickets for viewers that cannot send a token first: each lets one viewer watch one scene. It has
-// no socket and no clock.
+// Tickets for requests that cannot send a token first: each lets one viewer watch one scene, or one
+// browser fetch one recording of it. It has no socket and no clock.
 
 #include <chrono>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,10 +13,11 @@
 
 namespace feltwire::web {
 
-/// The right of a ticket: to watch one scene, on behalf of a token.
+/// The right of a ticket, on behalf of a token: to watch one scene, or to fetch one file of it.
 struct ViewTicket {
   std::string token;  // its id
   std::string scene;
+  std::filesystem::path file = {};  // empty: to watch
 };
 
 class ViewTickets {
@@ -23,8 +25,10 @@ class ViewTickets {
   static constexpr std::chrono::seconds kLife{60};  // from minting to use
   static constexpr std::size_t kMostOfToken = 8;    // with one more the oldest becomes void
 
-  /// Makes a ticket for a scene that the token opens. The text is stored nowhere.
-  Secret mint(const Token& by, const std::string& scene, CalendarTime now);
+  /// Makes a ticket for a scene that the token opens, or for a file of that scene. The text is
+  /// stored nowhere.
+  Secret mint(const Token& by, const std::string& scene, CalendarTime now,
+              std::filesystem::path file = {});
   /// Redeems a ticket, which is void from then on. Empty if the text is no ticket, or the ticket
   /// was used or is too old.
   std::optional<ViewTicket> redeem(std::string_view text, CalendarTime now);
@@ -34,6 +38,7 @@ class ViewTickets {
   struct Waiting {
     Token ticket;
     std::string by;  // the id of the token that minted it
+    std::filesystem::path file;
   };
   void forget_expired(CalendarTime now);
   std::vector<Waiting> waiting_;  // the oldest first

@@ -53,10 +53,10 @@ void enter(ViewerSlot& slot, const Token& token) {
 }  // namespace
 
 ViewerHub::ViewerHub(asio::io_context& io, const Scenes& scenes, TokenFile tokens, PageHands* hands,
-                     Reload reload, WriteFlight write_flight)
+                     AdminActions::Callbacks admins)
     : tokens_(std::move(tokens)),
       hands_(hands),
-      admins_(io, tokens_, slots_, std::move(reload), std::move(write_flight)) {
+      admins_(io, tokens_, tickets_, slots_, std::move(admins)) {
   const Nanoseconds begin = monotonic_now();
   for (SceneInView* scene : scenes)
     scenes_.push_back(std::make_unique<ViewedScene>(io, *scene, scenes_.size(), begin));
@@ -198,8 +198,15 @@ std::optional<Secret> ViewerHub::mint_ticket(const Token* token, std::string_vie
 
 std::optional<ViewTicket> ViewerHub::redeem_ticket(std::string_view text) {
   auto ticket = tickets_.redeem(text, calendar_now());
+  if (ticket && !ticket->file.empty()) ticket.reset();
   if (!ticket) ++counters_.refused;
   return ticket;
+}
+
+std::optional<std::filesystem::path> ViewerHub::redeem_download(std::string_view text) {
+  auto file = admins_.redeem_download(text);
+  if (!file) ++counters_.refused;
+  return file;
 }
 
 void ViewerHub::give_ticket(ViewerSlot& slot, std::string_view scene) {
@@ -254,6 +261,7 @@ void ViewerHub::ping(Nanoseconds now) {
 void ViewerHub::tick(Nanoseconds now) {
   look_after_tokens(now);
   ping(now);
+  admins_.look_after(now);
   for (auto& [id, slot] : slots_)
     if (const auto news = slot.hand.news()) slot.viewer->send(*news);
   std::vector<ViewerSlot*> watching;

@@ -4,6 +4,7 @@
 #include <asio/io_context.hpp>
 #include <asio/ip/address.hpp>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -45,11 +46,12 @@ class ViewerHub {
 
   using Reload = AdminActions::Reload;
   using WriteFlight = AdminActions::WriteFlight;
+  using Record = AdminActions::Record;
 
   /// `io` runs on the thread that calls everything here; it, the scenes and `hands` outlive this.
   /// `hands`: the hands for viewers; null: none.
   ViewerHub(asio::io_context& io, const Scenes& scenes, TokenFile tokens,
-            PageHands* hands = nullptr, Reload reload = {}, WriteFlight write_flight = {});
+            PageHands* hands = nullptr, AdminActions::Callbacks admins = {});
   ViewerHub(const ViewerHub&) = delete;
   ViewerHub& operator=(const ViewerHub&) = delete;
 
@@ -82,6 +84,8 @@ class ViewerHub {
   std::optional<Secret> mint_ticket(const Token* token, std::string_view scene);
   /// Redeems a ticket, which is void from then on. Empty: it is not good.
   std::optional<ViewTicket> redeem_ticket(std::string_view ticket);
+  /// Redeems a ticket of a recording, which is void from then on: its file. Empty: it is not good.
+  std::optional<std::filesystem::path> redeem_download(std::string_view ticket);
 
   /// Sends the news to all viewers. Call it 60 times a second while there are viewers.
   void tick(Nanoseconds now);

@@ -45,6 +45,8 @@ class Members : public nlohmann::json_sax<nlohmann::json> {
     if (depth_ == 1 && key_ == "mode") message.mode = text;
     if (depth_ == 1 && key_ == "admin") message.admin = text;
     if (depth_ == 1 && key_ == "evict") message.evict = text;
+    if (depth_ == 1 && key_ == "recording") message.recording = text;
+    if (depth_ == 1 && key_ == "download") message.download = text;
     return value() && (!in_set() || set_text(text));
   }
   bool key(string_t& text) override {

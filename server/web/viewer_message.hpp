@@ -36,7 +36,9 @@ struct ViewerMessage {
   std::optional<ViewerSet> set;
   std::optional<std::string> evict;  // a session's id
   bool reload = false;
-  bool record = false;  // the flight record of the scene
+  bool record = false;                   // the flight record of the scene
+  std::optional<std::string> recording;  // start or stop, at the server
+  std::optional<std::string> download;   // the name of a kept recording
 };
 
 /// Empty if the text is no JSON object, if a member of `set` is of a wrong type or unknown, or if

@@ -34,6 +34,7 @@ struct ViewerSlot {
   std::string admin = {};                    // id of a second token, of an admin; empty: none
   std::uint32_t version = 0;                 // of the scene that was sent
   std::uint32_t changes = 0;                 // live changes of that scene that it knows
+  std::string recordings = {};               // the text about them that it got last
   std::optional<FoxgloveViewer> foxglove{};  // it uses that protocol, not the page's
   std::optional<PingSchedule> pings{};       // of such a viewer, which may get no other message
   TokenBucket messages{kMessageRate, kMessageBurst};  // frames of every kind

@@ -32,7 +32,8 @@ WebServer::WebServer(const WebOptions& options, const ViewerHub::Scenes& scenes,
                      const Identity& identity)
     : options_(options),
       tls_(tls_for(options.address, identity)),
-      hub_(io_, scenes, std::move(tokens), options.hands, options.reload, options.write_flight),
+      hub_(io_, scenes, std::move(tokens), options.hands,
+           {options.reload, options.write_flight, options.record}),
       strangers_(std::max<std::size_t>(1, options.max_connections / 2),
                  options.max_connections_per_network),
       known_(std::max<std::size_t>(1, options.max_connections - options.max_connections / 2),
@@ -208,6 +209,7 @@ Site WebServer::site(const asio::ip::address& asked_from) {
     return hub_.mint_ticket(hub_.tokens().authenticate(token), scene);
   };
   site.redeem = [this](std::string_view ticket) { return hub_.redeem_ticket(ticket); };
+  site.redeem_download = [this](std::string_view ticket) { return hub_.redeem_download(ticket); };
   return site;
 }
 

@@ -42,6 +42,8 @@ struct WebOptions {
   ViewerHub::Reload reload = {};
   /// Writes a flight record (ViewerHub::WriteFlight); empty: there is no flight recorder.
   ViewerHub::WriteFlight write_flight = {};
+  /// Starts and stops recordings (ViewerHub::Record); empty: admins start none.
+  ViewerHub::Record record = {};
 };
 
 class WebServer final : private ConnectionHost {

@@ -28,6 +28,7 @@ class AdminProgram : public ::testing::Test {
     scenes.push_back(testing::floor_scene());
     ServerConfig config = testing::any_ports();
     config.recording.flight_folder = folder_ / "flights";
+    config.recording.folder = folder_ / "recordings";
     server_ = std::make_unique<Server>(config, std::move(scenes), test::security({anna_.token}));
     access_ = test::access(server_->control_port());
   }
@@ -103,6 +104,19 @@ TEST_F(AdminProgram, ListsChangesAndEvictsAHand) {
       recorded.out.find('\n') - std::string("scene floor: flight record: ").size())));
 
   EXPECT_EQ(nlohmann::json::parse(admin({"record", "--json"}).out)[0]["scene"], "floor");
+
+  EXPECT_EQ(admin({"recording"}).out, "scene floor: no recording runs\n");
+  const test::Outcome begun = admin({"recording", "--start"});
+  EXPECT_EQ(begun.status, 0) << begun.error;
+  EXPECT_THAT(begun.out, StartsWith("scene floor: records to " +
+                                    (folder_ / "recordings/recording-").string()));
+  const test::Outcome twice = admin({"recording", "--start"});
+  EXPECT_EQ(twice.status, 1);
+  EXPECT_THAT(twice.error, HasSubstr("runs already"));
+  const auto kept = nlohmann::json::parse(admin({"recording", "--stop", "--json"}).out)[0]["kept"];
+  ASSERT_EQ(kept.size(), 1u);
+  const std::filesystem::path made = folder_ / "recordings" / kept[0]["name"].get<std::string>();
+  EXPECT_EQ(std::filesystem::file_size(made), kept[0]["bytes"]);
 
   const test::Outcome evicted = admin({"evict", "1"});
   EXPECT_EQ(evicted.status, 0) << evicted.error;
@@ -200,6 +214,8 @@ TEST_F(AdminProgram, SaysWhatIsWrongInOneLine) {
   fails(admin({"evict", "7"}), 2, "there is no session 7");
   fails(admin({"reload", "attic"}), 1, "there is no scene 'attic'");
   fails(admin({"record", "--scene", "attic"}), 1, "there is no scene 'attic'");
+  fails(admin({"recording", "--start", "--stop"}), 2, "exclude each other");
+  fails(admin({"recording", "--stop"}), 1, "no recording of the scene runs");
   fails(admin({"sesions"}), 2, "see --help");
 }
 

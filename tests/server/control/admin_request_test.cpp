@@ -76,6 +76,8 @@ TEST_F(AdminRequest, NobodyElseMay) {
          {control::Message(kSofter), control::Message(control::SetGravity{"room", Vec3::Zero()}),
           control::Message(control::GetCounters{"room"}),
           control::Message(control::WriteFlightRecord{"room"}),
+          control::Message(control::RecordScene{"room"}),
+          control::Message(control::RecordScene{"room", control::RecordingAction::start}),
           control::Message(control::GetCounters{})}) {
       const auto refused = client.ask<Refused>(request);
       EXPECT_EQ(refused.code, RefusalCode::forbidden) << request.index();
@@ -88,6 +90,7 @@ TEST_F(AdminRequest, NobodyElseMay) {
        {control::Message(kSofter), control::Message(control::DescribeSessions{"room", 0}),
         control::Message(control::DescribeScene{"room", 0}),
         control::Message(control::WriteFlightRecord{"room"}),
+        control::Message(control::RecordScene{"room", control::RecordingAction::start}),
         control::Message(control::GetCounters{"room"})})
     EXPECT_EQ(client.ask<Refused>(request).code, RefusalCode::unknown_scene);
 }
@@ -170,6 +173,35 @@ TEST_F(AdminRequest, AFlightRecordIsWrittenAndNamed) {
   const auto failed = admin.ask<Refused>(control::WriteFlightRecord{"room"});
   EXPECT_EQ(failed.code, RefusalCode::failed);
   EXPECT_THAT(failed.reason, HasSubstr("the server's log says why"));
+}
+
+TEST_F(AdminRequest, ARecordingIsStartedByOneAdminAndStoppedByAnother) {
+  using control::RecordingAction;
+  using control::RecordScene;
+  const auto none = admin_.ask<Refused>(RecordScene{"room", RecordingAction::start});
+  EXPECT_EQ(none.code, RefusalCode::not_supported);
+  EXPECT_THAT(none.reason, HasSubstr("start it with --recordings DIR"));
+
+  const testing::TemporaryFolder folder;
+  ServerConfig config = test::any_port();
+  config.recording.folder = folder / "recordings";
+  Server server(config, scenes(), test::security());
+  ControlClient first(server.control_port()), second(server.control_port());
+  const auto begun =
+      first.ask<control::SceneRecordings>(RecordScene{"room", RecordingAction::start});
+  EXPECT_EQ(begun.folder, config.recording.folder.string());
+  EXPECT_TRUE(std::filesystem::exists(config.recording.folder / begun.running));
+  EXPECT_EQ(second.ask<control::SceneRecordings>(RecordScene{"room"}).running, begun.running);
+  EXPECT_THAT(second.ask<Refused>(RecordScene{"room", RecordingAction::start}).reason,
+              HasSubstr("runs already"));
+  const auto ended =
+      second.ask<control::SceneRecordings>(RecordScene{"room", RecordingAction::stop});
+  EXPECT_EQ(ended.running, "");
+  EXPECT_EQ(ended.ended, control::RecordingEnd::asked);
+  ASSERT_EQ(ended.kept.size(), 1u);
+  EXPECT_EQ(ended.kept[0].name, begun.running);
+  EXPECT_THAT(first.ask<Refused>(RecordScene{"room", RecordingAction::stop}).reason,
+              HasSubstr("no recording of the scene runs"));
 }
 
 /// Requests without a specific limit must finally get a refusal that allows a retry.

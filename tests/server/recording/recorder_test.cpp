@@ -134,6 +134,47 @@ TEST(Recorder, AFlightRecordThatIsAskedForIsNamed) {
   EXPECT_EQ(asked(), std::nullopt);
 }
 
+/// Asks the recorder of the only scene, and returns its answer.
+control::SceneRecordings recordings(Served& served, control::RecordingAction action) {
+  std::promise<std::variant<control::SceneRecordings, control::Refused>> told;
+  served.recorder.record(0, action, [&](auto outcome) { told.set_value(std::move(outcome)); });
+  return std::get<control::SceneRecordings>(told.get_future().get());
+}
+
+TEST(Recorder, ARecordingThatAnAdminStartsHasWhatFollows) {
+  const testing::TemporaryFolder folder;
+  AskedRecordingOptions asked;
+  asked.folder = folder / "recordings";
+  Served served({.asked = asked});
+  served.exchange(kSamples);
+  EXPECT_EQ(recordings(served, control::RecordingAction::look).running, "");
+  const auto begun = recordings(served, control::RecordingAction::start);
+  EXPECT_NE(begun.running, "");
+  served.exchange(kSamples);
+  const auto ended = recordings(served, control::RecordingAction::stop);
+  ASSERT_EQ(ended.kept.size(), 1u);
+  EXPECT_EQ(ended.kept[0].name, begun.running);
+  const std::size_t events = messages_of(asked.folder / ended.kept[0].name, "/scene/events");
+  EXPECT_GE(events, kSamples);
+  EXPECT_LT(events, 2 * kSamples);
+}
+
+/// A file with an index and an end is complete.
+TEST(Recorder, AServerThatEndsClosesTheRecording) {
+  const testing::TemporaryFolder folder;
+  AskedRecordingOptions asked;
+  asked.folder = folder / "recordings";
+  Served served({.asked = asked});
+  const auto begun = recordings(served, control::RecordingAction::start);
+  served.exchange(kSamples);
+  served.stop();
+  std::ifstream in(asked.folder / begun.running, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  constexpr std::string_view kMagic = "\x89MCAP0\r\n";
+  EXPECT_TRUE(bytes.ends_with(kMagic));
+  EXPECT_GE(messages_of(asked.folder / begun.running, "/scene/events"), kSamples);
+}
+
 TEST(Recorder, FileThatCannotBeWrittenIsNamed) {
   try {
     const Recorder recorder({.file = "/dev/null/room.mcap"}, scenes());

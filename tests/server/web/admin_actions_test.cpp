@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "protocol/net/clock.hpp"
 #include "server/web/viewed_scene.hpp"
 #include "tests/server/web/page_fakes.hpp"
 #include "tests/support/security.hpp"
@@ -23,6 +26,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using Outcome = AdminActions::Outcome;
+using Recorded = std::function<void(std::variant<control::SceneRecordings, control::Refused>)>;
 using Written = std::function<void(std::variant<std::string, control::Refused>)>;
 
 class AdminActionsTest : public ::testing::Test {
@@ -52,12 +56,22 @@ class AdminActionsTest : public ::testing::Test {
   ViewedScene viewed_{io_, scene_, 3, Nanoseconds{0}};
   ViewerTokens tokens_{test::security({eye_.token, other_.token}).tokens};
   test::FakeViewer viewer_;
+  ViewTickets tickets_;
   ViewerSlots slots_;
   std::vector<std::size_t> reloads_;
   Written written_;
+  Recorded recorded_;
+  std::vector<control::RecordingAction> actions_asked_;
   std::unique_ptr<AdminActions> actions_ = std::make_unique<AdminActions>(
-      io_, tokens_, slots_, [this](std::size_t scene) { reloads_.push_back(scene); },
-      [this](std::size_t, Written done) { written_ = std::move(done); });
+      io_, tokens_, tickets_, slots_,
+      AdminActions::Callbacks{
+          .reload = [this](std::size_t scene) { reloads_.push_back(scene); },
+          .write_flight = [this](std::size_t, Written done) { written_ = std::move(done); },
+          .record =
+              [this](std::size_t, control::RecordingAction action, Recorded done) {
+                actions_asked_.push_back(action);
+                recorded_ = std::move(done);
+              }});
   ViewerSlot& slot_ = add(1, viewer_, test::admin_token());
 };
 
@@ -72,8 +86,8 @@ TEST_F(AdminActionsTest, AreForAdminsOnly) {
   test::FakeViewer observer;
   ViewerSlot& slot = add(2, observer, eye_);
   EXPECT_FALSE(actions_->is_admin(slot));
-  for (const char* asked :
-       {kChange, R"({"reload":true})", R"({"evict":"7"})", R"({"record":true})"}) {
+  for (const char* asked : {kChange, R"({"reload":true})", R"({"evict":"7"})", R"({"record":true})",
+                            R"({"recording":"start"})", R"({"download":"a.mcap"})"}) {
     EXPECT_EQ(actions_->handle(slot, says(asked)), Outcome::handled);
     EXPECT_THAT(observer.take(), ElementsAre(HasSubstr("for admins of the scene")));
   }
@@ -149,6 +163,59 @@ TEST_F(AdminActionsTest, AFlightRecordIsAnsweredOnThePagesThread) {
   EXPECT_THAT(viewer_.take(), IsEmpty());
   io_.run();
   EXPECT_THAT(viewer_.take(), ElementsAre(HasSubstr("flight record: flight.mcap")));
+}
+
+/// Only admins of the scene are told of its recordings, once for each change.
+TEST_F(AdminActionsTest, RecordingsAreToldToAdmins) {
+  test::FakeViewer observer, second;
+  add(2, observer, eye_);
+  add(3, second, test::admin_token());
+  const control::SceneRecordings runs{"room", "", "a.mcap"};
+  actions_->handle(slot_, says(R"({"recording":"start"})"));
+  EXPECT_THAT(actions_asked_, ElementsAre(control::RecordingAction::start));
+  recorded_(runs);
+  EXPECT_THAT(viewer_.take(), IsEmpty());
+  io_.run();
+  EXPECT_THAT(viewer_.take(), ElementsAre(HasSubstr("\"running\":\"a.mcap\"")));
+  EXPECT_THAT(second.take(), ElementsAre(HasSubstr("\"running\":\"a.mcap\"")));
+  EXPECT_THAT(observer.take(), IsEmpty());
+  const auto look = [&](int seconds, const control::SceneRecordings& told) {
+    actions_->look_after(std::chrono::seconds(seconds));
+    if (recorded_) std::exchange(recorded_, {})(told);
+    io_.restart();
+    io_.run();
+  };
+  recorded_ = {};
+  look(10, runs);
+  EXPECT_THAT(viewer_.take(), IsEmpty());
+  look(11, {"room", "", "a.mcap", 1.0});
+  EXPECT_THAT(viewer_.take(), ElementsAre(HasSubstr("\"seconds\":1")));
+  actions_->look_after(std::chrono::seconds(11));  // It asks once a second.
+  EXPECT_FALSE(recorded_);
+}
+
+TEST_F(AdminActionsTest, ATicketForARecordingIsVoidWithItsTokensRight) {
+  const control::SceneRecordings kept{
+      "room", "/records", "", 0.0, 0, control::RecordingEnd::none, {{"a.mcap", 7}}};
+  const auto ticket = [&] {
+    actions_->handle(slot_, says(R"({"download":"a.mcap"})"));
+    recorded_(kept);
+    io_.restart();
+    io_.run();
+    const std::string said = viewer_.take().at(0);
+    const std::size_t begin = said.find("fw_");
+    return said.substr(begin, said.find('"', begin) - begin);
+  };
+  const std::string good = ticket();
+  EXPECT_EQ(actions_->redeem_download(good), std::filesystem::path("/records/a.mcap"));
+  EXPECT_EQ(actions_->redeem_download(good), std::nullopt);
+  EXPECT_EQ(actions_->redeem_download("fw_wrong"), std::nullopt);
+  const Secret watching = tickets_.mint(test::admin_token().token, "room", calendar_now());
+  EXPECT_EQ(actions_->redeem_download(watching.text()), std::nullopt);
+  const Secret of_observer = tickets_.mint(eye_.token, "room", calendar_now(), "/records/a.mcap");
+  EXPECT_EQ(actions_->redeem_download(of_observer.text()), std::nullopt);
+  const Secret of_other = tickets_.mint(other_.token, "room", calendar_now(), "/records/a.mcap");
+  EXPECT_EQ(actions_->redeem_download(of_other.text()), std::nullopt);
 }
 
 TEST_F(AdminActionsTest, APageOfARemoteServerRefusesThem) {

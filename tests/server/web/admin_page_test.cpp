@@ -77,7 +77,8 @@ TEST_F(AdminPage, OnlyAnAdminOfTheSceneMay) {
   EXPECT_EQ(page.text("hello")["role"], "observer");
   for (const Json& asked : {Json{{"set", {{"object", "floor"}, {"stiffness", 1}}}},
                             Json{{"evict", std::to_string(hand.session())}}, Json{{"reload", true}},
-                            Json{{"record", true}}}) {
+                            Json{{"record", true}}, Json{{"recording", "start"}},
+                            Json{{"download", "recording.mcap"}}}) {
     page.say(asked);
     EXPECT_THAT(page.text("refused")["text"].get<std::string>(), HasSubstr("for admins"));
   }
@@ -111,6 +112,78 @@ TEST_F(AdminPage, AsksForAFlightRecord) {
   const std::string said = page.text("changed")["text"];
   ASSERT_THAT(said, ::testing::StartsWith("flight record: "));
   EXPECT_TRUE(std::filesystem::exists(said.substr(std::string("flight record: ").size()))) << said;
+}
+
+/// Returns the whole answer of the page's port to a request for this path.
+std::string fetched(const Server& server, const std::string& path) {
+  const std::string host = "127.0.0.1:" + std::to_string(test::page_port(server));
+  test::RawSocket socket(SOCK_STREAM, test::page_port(server));
+  socket.send(test::bytes("GET " + path + " HTTP/1.1\r\nHost: " + host + "\r\n\r\n"));
+  std::string answer;
+  for (auto part = socket.receive(65536); !part.empty(); part = socket.receive(65536))
+    answer.append(part.begin(), part.end());
+  return answer;
+}
+
+TEST_F(AdminPage, RecordsAtTheServerAndDownloadsTheFile) {
+  Page none(server_, admin_);
+  none.text("materials");
+  none.say({{"recording", "start"}});
+  EXPECT_THAT(none.text("refused")["text"].get<std::string>(), HasSubstr("--recordings DIR"));
+
+  const testing::TemporaryFolder folder;
+  ServerConfig config = test::with_page();
+  config.recording.folder = folder / "recordings";
+  Server server(config, scenes(), test::security({eye_.token}));
+  Page page(server, admin_), second(server, admin_), watcher(server, token_text(eye_));
+  watcher.text("materials");
+  EXPECT_TRUE(page.text("recordings")["running"].is_null());
+  page.say({{"recording", "start"}});
+  Json told = page.text("recordings");
+  const std::string name = told["running"];
+  do told = second.text("recordings");
+  while (told.at("running").is_null());
+  EXPECT_EQ(told["running"], name);
+  second.say({{"recording", "start"}});
+  EXPECT_THAT(second.text("refused")["text"].get<std::string>(), HasSubstr("runs already"));
+  page.say({{"recording", "pause"}});
+  EXPECT_THAT(page.text("refused")["text"].get<std::string>(), HasSubstr("start and stop"));
+
+  const auto refused_download = [&](const std::string& wanted) {
+    page.say({{"download", wanted}});
+    return page.text("refused")["text"].get<std::string>();
+  };
+  EXPECT_THAT(refused_download(name), HasSubstr("no complete recording"));  // It still runs.
+  second.say({{"recording", "stop"}});
+  do told = page.text("recordings");
+  while (told.at("kept").empty());
+  EXPECT_EQ(told["kept"][0]["name"], name);
+  for (const std::string wrong : {"", "../admin.token", "/etc/hostname", "recordings"})
+    EXPECT_THAT(refused_download(wrong), HasSubstr("no complete recording"));
+
+  page.say({{"download", name}});
+  const Json ticket = page.text("download");
+  EXPECT_EQ(ticket["name"], name);
+  const std::string answer = fetched(server, ticket["path"]);
+  EXPECT_THAT(answer, ::testing::StartsWith("HTTP/1.1 200 OK\r\n"));
+  EXPECT_THAT(answer, HasSubstr("Content-Disposition: attachment; filename=\"" + name + "\"\r\n"));
+  std::ifstream in(config.recording.folder / name, std::ios::binary);
+  const std::string file{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_EQ(answer.substr(answer.find("\r\n\r\n") + 4), file);
+  EXPECT_EQ(file.size(), told["kept"][0]["bytes"].get<std::size_t>());
+  EXPECT_THAT(fetched(server, ticket["path"]), ::testing::StartsWith("HTTP/1.1 403 "));
+  EXPECT_THAT(fetched(server, "/recording"), ::testing::StartsWith("HTTP/1.1 403 "));
+  // A ticket to watch is no ticket for a file.
+  watcher.say({{"ticket", "room"}});
+  const std::string watch = watcher.text("ticket")["path"];
+  EXPECT_THAT(fetched(server, "/recording" + watch.substr(watch.find('?'))),
+              ::testing::StartsWith("HTTP/1.1 403 "));
+
+  page.say({{"download", name}});
+  const std::string late = page.text("download")["path"];
+  std::filesystem::remove(config.recording.folder / name);
+  std::filesystem::create_symlink("/etc/hostname", config.recording.folder / name);
+  EXPECT_THAT(fetched(server, late), ::testing::StartsWith("HTTP/1.1 404 "));
 }
 
 TEST_F(AdminPage, SetsTheBoundOfASessionAndEvictsIt) {

@@ -9,11 +9,14 @@
 #include <spdlog/spdlog.h>
 
 #include <array>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
 
+#include "tests/client/temporary_folder.hpp"
 #include "tests/server/web/frames.hpp"
 #include "tests/support/security.hpp"
 
@@ -94,6 +97,8 @@ class ConnectionTest : public ::testing::Test, public ConnectionHost {
   Site site(const asio::ip::address&) override {
     Site site{kPage, {}, false};
     site.metrics = []() -> std::string { throw std::runtime_error("no counters"); };
+    if (!recording_.empty())
+      site.redeem_download = [this](std::string_view) { return std::optional(recording_); };
     return site;
   }
   std::chrono::milliseconds patience() const override { return std::chrono::minutes(10); }
@@ -134,7 +139,45 @@ class ConnectionTest : public ::testing::Test, public ConnectionHost {
   std::shared_ptr<Connection> connection_ = std::make_shared<Connection>(
       *this, 1, std::make_unique<FakeStream>(other_), asio::ip::make_address("127.0.0.1"));
   int admitted_ = 0, parting_ = 0, ended_ = 0;
+  std::filesystem::path recording_;  // empty: there is none
 };
+
+constexpr std::size_t kLong = std::size_t{10} * 64 * 1024 + 7;  // [bytes]
+const std::string kDownload = "GET /recording?ticket=fw_t HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
+
+TEST_F(ConnectionTest, ALongFileWaitsForASlowClient) {
+  const testing::TemporaryFolder folder;
+  std::string file(kLong, 'x');
+  for (std::size_t i = 0; i < file.size(); ++i) file[i] = static_cast<char>('a' + i / 1000 % 26);
+  recording_ = folder / "recording.mcap";
+  std::ofstream(recording_, std::ios::binary) << file;
+  other_.say(kDownload);
+  EXPECT_EQ(admitted_, 1);  // Strangers cannot take its place.
+  ASSERT_EQ(other_.written.size(), 1u);
+  other_.take();
+  for (std::size_t pieces = 2; other_.taken; ++pieces) {
+    // The next piece is read only after the client has taken this one.
+    ASSERT_EQ(other_.written.size(), pieces);
+    EXPECT_LE(other_.written.back().own.size(), SentFile::kPiece);
+    other_.take();
+  }
+  const std::string text = other_.text();
+  EXPECT_EQ(text.substr(text.find("\r\n\r\n") + 4), file);
+  EXPECT_EQ(parting_, 1);
+}
+
+/// The client sees that the file is cut, because the answer states its length.
+TEST_F(ConnectionTest, AFileThatBecomesShorterEndsTheConnection) {
+  const testing::TemporaryFolder folder;
+  recording_ = folder / "recording.mcap";
+  std::ofstream(recording_, std::ios::binary) << std::string(kLong, 'x');
+  other_.say(kDownload);
+  other_.take();
+  std::filesystem::resize_file(recording_, 10);
+  other_.take_all();
+  EXPECT_TRUE(over());
+  EXPECT_LT(other_.text().size(), kLong);
+}
 
 TEST_F(ConnectionTest, AFailureNamesThePort) {
   std::ostringstream log;

@@ -177,6 +177,11 @@ TEST(Messages, HaveTheMembersThatThePageIsTestedWith) {
   expect_members(Json::parse(changed_text("a")), members, true, "changed");
   expect_members(Json::parse(web::refused("a")), members, true, "refused");
   expect_members(Json::parse(admin_text()), members, true, "admin");
+  const Json recordings = Json::parse(
+      recordings_text({"room", "", "", 0.0, 0, control::RecordingEnd::none, {{"a", 1}}}));
+  expect_members(recordings, members, true, "recordings");
+  expect_members(recordings["kept"][0], members, true, "recordings.kept");
+  expect_members(Json::parse(download_text("a", "fw_t")), members, true, "download");
   expect_members(Json::parse(log_text("info", "a")), members, true, "log");
   EXPECT_EQ(greeting["reasons"], agreed["reasons"]);
 }

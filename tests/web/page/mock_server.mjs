@@ -10,6 +10,7 @@ import {geometryMessage, Play} from './play.mjs';
 
 export const TOKEN = 'an-open-secret';
 export const ADMIN = 'the-token-of-an-admin';
+export const RECORDING = 'recording-20261130T120000.000Z-room.mcap';
 const HEADERS = {
   'Content-Security-Policy': "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; " +
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
@@ -76,10 +77,10 @@ function times(readings) {
 }
 
 /**
- * @param {{folder: string, port?: number, hands?: number, bodies?: number, token?: string}} options
+ * @param {{folder: string, port?: number, hands?: number, bodies?: number, token?: string, file?: Buffer}} options
  * @returns {Promise<{url: string, port: number, watched: string[], requests: string[], play: Play, drop: Function, send: Function, log: Function, stop: Function}>}
  */
-export async function startServer({folder, port = 0, hands = 2, bodies = 1, token = TOKEN}) {
+export async function startServer({folder, port = 0, hands = 2, bodies = 1, token = TOKEN, file = Buffer.from('no recording')}) {
   const assets = JSON.parse(readFileSync(join(folder, 'assets.json'), 'utf8'));
   const play = new Play(hands, bodies);
   const viewers = new Set();
@@ -90,12 +91,28 @@ export async function startServer({folder, port = 0, hands = 2, bodies = 1, toke
   const server = createServer((request, response) => {
     requests.push(request.url);
     if (request.url === '/metrics') return response.writeHead(200, {'Content-Type': 'text/plain'}).end(times(++readings));
+    if (request.url === '/recording?ticket=fw_download') {
+      return response.writeHead(200, {'Content-Type': 'application/octet-stream', 'Content-Disposition': `attachment; filename="${RECORDING}"`}).end(file);
+    }
     const asset = assets.find(({path}) => path === request.url);
     if (!asset) return response.writeHead(404).end();
     const name = asset.path === '/' ? 'index.html' : asset.path.slice(1);
     return response.writeHead(200, {...HEADERS, 'Content-Type': asset.type}).end(readFileSync(join(folder, `${name}.gz`)));
   });
 
+  let recording = null;  // [ms] when it began
+  let kept = [];
+  let ended = 'none';
+  const sendRecordings = () => viewers.forEach((viewer) => viewer.admin && viewer.json({
+    type: 'recordings', scene: 'room', running: recording && RECORDING, seconds: recording ? Math.floor((Date.now() - recording) / 1000) : 3, bytes: 1_200_000, ended, kept,
+  }));
+  const record = (viewer, wanted) => {
+    if ((wanted === 'start') === (recording !== null)) return viewer.json({type: 'refused', text: 'a recording of the scene runs already; stop it first'});
+    recording = wanted === 'start' ? Date.now() : null;
+    ended = recording ? 'none' : 'asked';
+    kept = recording ? kept : [{name: RECORDING, bytes: file.length}];
+    return sendRecordings();
+  };
   const materials = play.scene('room').objects.map(() => ({stiffness: 1000, damping: 0, static_friction: 0.5, dynamic_friction: 0.4, viscous_friction: 0}));
   let gravity = [0, 0, -9.81];
   const sendMaterials = (viewer) => viewer.json({type: 'materials', version: play.version, gravity, objects: materials});
@@ -113,6 +130,9 @@ export async function startServer({folder, port = 0, hands = 2, bodies = 1, toke
       sendScene(viewer, 'room');
     }
     if (message.ticket) viewer.json({type: 'ticket', scene: message.ticket, path: `/foxglove?ticket=fw_${message.ticket}`, seconds: 60});
+    if (message.admin === ADMIN) viewer.admin = true;
+    if (message.recording) record(viewer, message.recording);
+    if (message.download) viewer.json({type: 'download', name: message.download, path: '/recording?ticket=fw_download'});
     if (message.admin) viewer.json(message.admin === ADMIN ? {type: 'admin', role: 'admin'} : {type: 'refused', text: 'the token is not good'});
     if (message.set || message.evict || message.reload || message.record) asked.push(message);
     if (message.record) viewer.json({type: 'changed', text: 'flight record: /var/flights/flight-1-room.mcap'});
@@ -149,6 +169,7 @@ export async function startServer({folder, port = 0, hands = 2, bodies = 1, toke
     }
   }, 1000 / 60);
   const tables = setInterval(() => {
+    sendRecordings();
     for (const viewer of viewers) viewer.json(play.sessions());
   }, 500);
   const drop = (code, reason) => {
@@ -160,6 +181,12 @@ export async function startServer({folder, port = 0, hands = 2, bodies = 1, toke
   return {
     url: `http://127.0.0.1:${taken}/`, port: taken, watched, asked, requests, play, drop,
     send: (bytes) => viewers.forEach((viewer) => viewer.binary(bytes)),
+    startRecording: () => (recording = Date.now()),
+    endRecording: (why) => {
+      recording = null;
+      ended = why;
+      sendRecordings();
+    },
     log: (level, text) => viewers.forEach((viewer) => viewer.json({type: 'log', level, text})),
     stop: () => new Promise((resolve) => {
       clearInterval(pictures);

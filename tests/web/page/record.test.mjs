@@ -3,7 +3,7 @@
 
 import assert from 'node:assert/strict';
 import {execFileSync, spawn} from 'node:child_process';
-import {mkdtempSync, readFileSync, rmSync} from 'node:fs';
+import {mkdtempSync, readFileSync, rmSync, statSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {createInterface} from 'node:readline';
@@ -34,7 +34,7 @@ async function start(name, options, patterns) {
 
 before(async () => {
   state = mkdtempSync(join(tmpdir(), 'feltwire-record-'));
-  const [port, web] = await start('feltwire-server', ['--scene', process.env.FELTWIRE_RECORDED_SCENE, '--port', '0', '--web', '0', '--state', state],
+  const [port, web] = await start('feltwire-server', ['--scene', process.env.FELTWIRE_RECORDED_SCENE, '--port', '0', '--web', '0', '--state', state, '--recordings', join(state, 'recordings')],
     [/^listening: control tcp (\d+)/, /^live page: (\S+)/]);
   address = web;
   spawnClient(port);
@@ -92,4 +92,30 @@ test('the page records the scene: the file is read by the laboratory, and shown 
   assert.deepEqual([stage.hands, stage.troubles], [[1], []]);
   assert.ok(Math.abs(stage.duration - times.at(-1)) < 0.5, `${stage.duration} s, not ${times.at(-1)}`);
   assert.deepEqual([stage.bodies, stage.solids], [bodies, solids.length]);
+});
+
+test('an admin records at the server: the file is saved, read by the laboratory, and shown', async () => {
+  await page.goto('about:blank');
+  await page.goto(`${address}#token=${readFileSync(join(state, 'admin.token'), 'utf8').trim()}`);
+  await until(() => window.feltwire?.().hands.length === 1 && window.feltwire().longestArrow > 0);
+  await page.click('#admin-open');
+  await page.click('#admin-scene-tab');
+  await page.click('#server-record');
+  await until(() => Number(/^Records since (\d+) s/.exec(document.querySelector('#server-record-state').textContent)?.[1]) > 2);
+  await page.click('#server-record');
+  const [download] = await Promise.all([page.waitForEvent('download'), page.click('#admin .recordings li button:first-of-type')]);
+  assert.match(download.suggestedFilename(), /^recording-\d{8}T\d{6}\.\d{3}Z-workshop\.mcap$/);
+  const file = join(state, 'served.mcap');
+  await download.saveAs(file);
+  assert.deepEqual(readFileSync(file), readFileSync(join(state, 'recordings', download.suggestedFilename())));
+  assert.equal(statSync(join(state, 'recordings', download.suggestedFilename())).mode & 0o777, 0o600);
+  const tables = join(state, 'served');
+  execFileSync(program('feltwire-lab'), ['export', file, '--csv', tables]);
+  assert.ok(readFileSync(join(tables, 'hand_1_sample.csv'), 'utf8').split('\n').length > 1000);
+
+  await page.click('#admin .recordings li button:last-of-type');
+  await until(() => window.feltwire().replay.stages.length === 1 && window.feltwire().replay.stages[0].read && window.feltwire().replay.drawn);
+  const {stages: [stage]} = (await page.evaluate(() => window.feltwire())).replay;
+  assert.deepEqual([stage.hands, stage.troubles], [[1], []]);
+  assert.ok(stage.duration > 2, `${stage.duration} s`);
 });

@@ -3,6 +3,7 @@
 
 import {make, makeTabs} from './elements.js';
 import {say} from './language.js';
+import {ServerRecordings} from './server_recordings.js';
 
 const PERIOD = 150;  // [ms] between two messages of a knob that is dragged
 const PER_DECADE = 100;  // steps of the stiffness slider
@@ -34,14 +35,16 @@ function fill(input, value) {
 }
 
 export class Admin {
-  /** @param {HTMLElement} panel @param {(message: object) => void} send */
-  constructor(panel, send) {
+  /** @param {HTMLElement} panel @param {(message: object) => void} send @param {(file: File) => void} open shows a recording */
+  constructor(panel, send, open) {
     this.panel = panel;
     this.send = send;
+    this.recordings = new ServerRecordings(send, open);
     this.unlocked = false;  // whether its viewer is an admin
     this.objects = [];  // their names
     this.materials = [];
     this.session = null;  // of the chosen hand
+    this.watched = null;  // the name of the scene
     this.waiting = null;  // the newest value of a knob that is dragged, until it is sent
     this.inputs = new Map();  // of a material
     this.linkInputs = new Map();
@@ -64,8 +67,10 @@ export class Admin {
     if (observes) this.lock.hidden = true;
   }
 
-  /** @param {{objects: {name: string}[]}} scene */
-  scene({objects}) {
+  /** @param {{name: string, objects: {name: string}[]}} scene */
+  scene({name, objects}) {
+    if (name !== this.watched) this.recordings.forget();
+    this.watched = name;
     const chosen = this.object.value;
     this.objects = objects.map(({name}) => name);
     this.object.replaceChildren(...this.objects.map((name) => new Option(name)));
@@ -82,6 +87,10 @@ export class Admin {
         message.gravity?.forEach((value, i) => fill(this.axes[i], value));
         this.#showMaterial();
         break;
+      case 'recordings':
+      case 'download':
+        this.recordings.take(message);
+        break;
       case 'admin':
         this.#unlock(true);
         this.#say('', say('admin.unlocked'));
@@ -91,6 +100,7 @@ export class Admin {
         break;
       case 'refused':
         this.#say('error', message.text);
+        this.recordings.refuse();
         document.activeElement.blur();  // What it holds is not so.
         this.#showSession(this.#ofSession());
         this.#showMaterial();
@@ -168,7 +178,7 @@ export class Admin {
     const parts = {
       object: [this.object, make('fieldset', {}, ...rows)],
       hand: [this.who, make('fieldset', {}, make('p', {className: 'law'}, mode, ' ', projection, ' ', storage), this.fixed, this.more, this.link, this.lead, this.answer, make('p', {}, this.evict))],
-      scene: [make('fieldset', {}, this.gravity, make('p', {}, reload), make('p', {}, record))],
+      scene: [make('fieldset', {}, this.gravity, make('p', {}, reload), make('p', {}, record), this.recordings.element)],
     };
     this.said = make('output', {id: 'admin-said'});
     const pages = makeTabs('admin', parts, (name) => say(`admin.${name}`));
@@ -181,6 +191,8 @@ export class Admin {
   #unlock(admin) {
     this.unlocked = admin;
     this.lock.hidden = admin;
+    this.recordings.element.hidden = !admin;
+    if (!admin) this.recordings.forget();
     for (const knobs of this.knobs) {
       knobs.disabled = !admin;
       knobs.title = admin ? '' : say('admin.knob');

@@ -42,7 +42,7 @@ const why = new Why(element('sentence'), element('reasons'));
 const sessions = new Sessions(document.querySelector('#sessions table'), element('columns'), choose);
 const labels = new Labels(element('labels'));
 const bar = new SceneBar(view, () => page);
-const admin = new Admin(element('admin'), (message) => connection.send(message));
+const admin = new Admin(element('admin'), (message) => connection.send(message), (file) => replay.open([file]));
 const foxglove = new Foxglove(element('foxglove'));
 const times = new Times(element('times'), () => page.scene, () => ({name: sessions.name(page.chosen), session: sessions.sessions.get(page.chosen)}));
 let link = readLink(location.hash);  // what of it is still to be followed
@@ -133,6 +133,8 @@ function takeText(message) {
     case 'materials':
     case 'admin':
     case 'changed':
+    case 'recordings':
+    case 'download':
     case 'refused':
       if (message.type === 'refused') recording.refuse();
       admin.take(message);
