@@ -37,6 +37,18 @@ def compose_program():
     return ["docker-compose"] if shutil.which("docker-compose") else None
 
 
+def caller(project, *files, timeout=180, **environment):
+    """For a composition that is shipped: a function that is `docker compose ARGUMENTS` with these files, and returns what it prints."""
+    def call(*arguments):
+        done = subprocess.run(
+            [*compose_program(), "-p", project, *(word for file in files for word in ("-f", str(file))), *arguments],
+            capture_output=True, text=True, timeout=timeout, env={**os.environ, "FELTWIRE_IMAGE": IMAGE, **environment})
+        if done.returncode != 0:
+            raise RuntimeError(f"compose {' '.join(arguments)}: {done.stderr.strip()}")
+        return done.stdout + done.stderr
+    return call
+
+
 def wait_until(what, condition, seconds):
     """Asks again and again; the answer, as soon as it is true."""
     end = time.monotonic() + seconds

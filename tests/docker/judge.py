@@ -26,6 +26,11 @@ class Judge:
         if not good:
             self.failures.append(line)
 
+    def measured(self, what, value):
+        """A figure that is told and not judged, as it depends on the machine."""
+        self.lines.append(f"told {what}: {value}")
+        print(f"  {what}: {value}", flush=True)
+
 
 class Recording:
     """Rows of --record (docs/devices.md), as columns."""

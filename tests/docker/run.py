@@ -18,7 +18,7 @@ from judge import Judge
 from plot import plot
 
 NAMES = ["shipped", "clean_link", "many_devices", "bad_link", "interruptions", "server_killed", "garbage",
-         "rolling_restart", "robot"]
+         "rolling_restart", "robot", "fleet"]
 
 
 def missing():

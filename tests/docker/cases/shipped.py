@@ -1,7 +1,5 @@
 """docker/compose.yml as it is shipped: comes up, prints the hands' reports, and ends within two seconds of SIGTERM."""
 
-import os
-import subprocess
 import time
 
 import composition
@@ -11,14 +9,7 @@ PROGRAMS = ["server", "link"]  # that run on when the hands are done
 
 
 def run(compose, judge):
-    def call(*arguments):
-        done = subprocess.run([*composition.compose_program(), "-p", compose.project, "-f", str(FILE), *arguments],
-                              capture_output=True, text=True, timeout=180,
-                              env={**os.environ, "FELTWIRE_DEMO_SECONDS": "5", "FELTWIRE_DEMO_LINK": "lan", "FELTWIRE_IMAGE": composition.IMAGE})
-        if done.returncode != 0:
-            raise RuntimeError(f"compose {' '.join(arguments)}: {done.stderr.strip()}")
-        return done.stdout + done.stderr
-
+    call = composition.caller(compose.project, FILE, FELTWIRE_DEMO_SECONDS="5", FELTWIRE_DEMO_LINK="lan")
     try:
         call("up", "-d", "--no-build")
         judge.expect("summary: exit code", compose.wait("summary"), equal=[0])
