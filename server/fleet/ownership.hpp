@@ -5,8 +5,9 @@
 // A host takes joins at one epoch at a time, which names it (protocol/fleet/epoch.hpp). It gets the
 // epoch in one of two ways: it claims the scene by compare-and-swap and waits for the answer, or it
 // is the standby, for which the owner's record reserves the next epoch, and waits for nothing. It
-// lets go when it hears of a higher epoch. tests/server/fleet/ownership_search_test.cpp tries all
-// orders of these steps with a directory that lies.
+// lets go when it hears of a higher epoch, or hands the scene over to a host that it names its
+// standby. tests/server/fleet/ownership_search_test.cpp tries all orders of these steps with a
+// directory that lies.
 
 #include <cstdint>
 #include <optional>
@@ -19,7 +20,10 @@ namespace feltwire {
 struct SceneOwnership {
   Epoch highest;                 // ever seen
   std::optional<Epoch> serving;  // it takes joins at this epoch; never below `highest`
-  SceneRecord record;            // the newest version that it knows; while it serves: its own
+  // It has handed this epoch over: it takes no joins, and its sessions go on until it sees the next
+  // owner. Never below `highest`, and never together with `serving`.
+  std::optional<Epoch> leaving;
+  SceneRecord record;  // the newest version that it knows; while it serves or leaves: its own
   // The directory's entry that came last, which may be an old one.
   RecordVersion stored;
   std::uint64_t revision = 0;   // of that entry, for the next compare-and-swap; 0: there was none
@@ -56,8 +60,18 @@ void reserve_standby(SceneOwnership& scene, const HostName& standby);
 /// names another standby or a higher epoch was seen.
 bool take_over(SceneOwnership& scene, const HostName& self);
 
+/// The owner hands the scene over to `target`, which becomes its standby. From now on it takes no
+/// join; its sessions go on until it sees a later epoch. The new record is to be written next. If
+/// the target does not take the scene, the former owner claims it again, at an epoch beyond the
+/// target's. Precondition: the host serves the scene, and `target` is another process.
+void hand_over(SceneOwnership& scene, const HostName& target);
+
+/// Whether the known record hands the scene over to this host: it is to take over now.
+bool is_handed_to(const SceneOwnership& scene, const HostName& self);
+
 /// The record that an owner must write, by compare-and-swap against `revision`, until the directory
-/// has it: a new standby, a takeover, or what a restored directory has forgotten. Empty: nothing.
+/// has it: a new standby, a takeover, a handover, or what a restored directory has forgotten.
+/// Empty: nothing.
 std::optional<SceneRecord> record_to_write(const SceneOwnership& scene);
 
 /// The directory has acknowledged such a write.

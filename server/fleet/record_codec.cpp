@@ -58,7 +58,8 @@ std::string encode(const SceneRecord& record) {
                                                   : flatbuffers::Offset<fleet_file::Host>();
   const auto digest = builder.CreateVector(record.digest.data(), record.digest.size());
   builder.Finish(fleet_file::CreateScene(builder, owner, record.version.epoch.term,
-                                         record.version.change, standby, digest));
+                                         record.version.change, standby, digest,
+                                         record.handed_over));
   return text_of(builder);
 }
 
@@ -90,9 +91,10 @@ std::optional<SceneRecord> decode_scene_record(std::string_view bytes) {
   record.owner = read_host(scene->owner());
   record.standby = read_host(scene->standby());
   record.version = {{scene->term(), record.owner.number}, scene->change()};
+  record.handed_over = scene->handed_over();
   if (record.owner.number == 0 || record.owner.number == record.standby.number ||
-      record.version.epoch.term == 0 || record.version.change == 0 ||
-      !read_bytes(*scene->digest(), record.digest))
+      (record.handed_over && record.standby.number == 0) || record.version.epoch.term == 0 ||
+      record.version.change == 0 || !read_bytes(*scene->digest(), record.digest))
     return std::nullopt;
   return record;
 }

@@ -20,8 +20,8 @@ std::uint64_t scene_tag(std::string_view name, const SceneDigest& digest);
 std::string encode(const SceneRecord& record);
 std::string encode(const HostRecord& record);
 
-/// Empty for bytes that are no such record: damaged, too long, without an owner, or with a standby
-/// that is the owner.
+/// Empty for bytes that are no such record: damaged, too long, without an owner, with a standby
+/// that is the owner, or handed over to nobody.
 std::optional<SceneRecord> decode_scene_record(std::string_view bytes);
 std::optional<HostRecord> decode_host_record(std::string_view bytes);
 

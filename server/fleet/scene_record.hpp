@@ -50,6 +50,8 @@ struct SceneRecord {
   RecordVersion version;  // its epoch is the owner's
   HostName standby;       // may take over at reserved_epoch() without a write; number 0: none
   SceneDigest digest{};
+  // The owner takes no more joins, and the standby is to serve from now on.
+  bool handed_over = false;
 
   friend bool operator==(const SceneRecord&, const SceneRecord&) = default;
 };

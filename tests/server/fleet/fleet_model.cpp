@@ -23,6 +23,7 @@ class Numbers {
   void add(const SceneRecord& record) {
     add(record.version);
     add(record.standby.number);
+    add(record.handed_over ? 1 : 0);
   }
   template <class T>
   void add(const std::optional<T>& value) {
@@ -54,9 +55,16 @@ void FleetModel::break_rule(const std::string& rule) {
   if (violation_.empty()) violation_ = rule;
 }
 
-void FleetModel::check_host(const Host& host) {
+void FleetModel::check_host(Host& host) {
+  if (host.scene.serving) host.sessions = true;
   if (host.scene.serving && *host.scene.serving < host.scene.highest)
     break_rule("a host serves below an epoch that it has seen");
+}
+
+void FleetModel::check_former_owner(const Epoch& handed_over) {
+  for (const Host& host : hosts_)
+    if (host.scene.serving == handed_over)
+      break_rule("a former owner takes joins beside the host that has the scene from it");
 }
 
 void FleetModel::accept(std::size_t host, const Epoch& asked) {
@@ -99,7 +107,7 @@ void FleetModel::host_steps(std::size_t at, const Rules& rules,
   for (std::size_t i = 0; i < directory_.ever().size(); ++i) {
     step("sees write " + std::to_string(i + 1), [&](FleetModel&, Host& host) {
       const auto& write = directory_.ever()[i];
-      rules.see_record(host.scene, write.value, write.revision);
+      if (rules.see_record(host.scene, write.value, write.revision)) host.sessions = false;
     });
   }
   if (left_.claims > 0 && !now.scene.serving && !now.claim) {
@@ -130,6 +138,21 @@ void FleetModel::host_steps(std::size_t at, const Rules& rules,
       if (rules.take_over(host.scene, host.self)) --next.left_.takeovers;
     });
   }
+  if (is_handed_to(now.scene, now.self)) {
+    step("takes what was handed over", [&](FleetModel& next, Host& host) {
+      const Epoch former = host.scene.record.version.epoch;
+      if (rules.take_over(host.scene, host.self)) next.check_former_owner(former);
+    });
+  }
+  if (left_.handovers > 0 && now.scene.serving) {
+    for (std::size_t other = 0; other < left_.hosts; ++other) {
+      if (other == at) continue;
+      step(std::string("hands over to ") + kNames[other], [&](FleetModel& next, Host& host) {
+        --next.left_.handovers;
+        rules.hand_over(host.scene, hosts_[other].self);
+      });
+    }
+  }
   if (left_.reservations > 0 && now.scene.serving) {
     for (std::size_t other = 0; other < left_.hosts; ++other) {
       if (other == at) continue;
@@ -151,7 +174,7 @@ void FleetModel::host_steps(std::size_t at, const Rules& rules,
     step("starts again", [&](FleetModel& next, Host& host) {
       --next.left_.restarts;
       const HostName self = next.new_process(at, rules);
-      host = Host{self, {}, {}};
+      host = Host{self, {}, false, {}};
     });
   }
 }
@@ -161,7 +184,7 @@ void FleetModel::client_steps(const Rules& rules,
   const auto step = [&](const std::string& what, const auto& change) {
     FleetModel next = *this;
     change(next);
-    for (const Host& host : next.hosts_) next.check_host(host);
+    for (Host& host : next.hosts_) next.check_host(host);
     if (next.client_.session && *next.client_.session < next.client_saw_)
       next.break_rule("the client has a session below an epoch that it has seen");
     visit(std::move(next), "the client " + what);
@@ -176,8 +199,10 @@ void FleetModel::client_steps(const Rules& rules,
       });
     }
     if (client_.highest > hosts_[host].scene.highest) {
-      step("shows " + name + " a ticket of a later owner",
-           [&](FleetModel& next) { rules.see_epoch(next.hosts_[host].scene, client_.highest); });
+      step("shows " + name + " a ticket of a later owner", [&](FleetModel& next) {
+        Host& shown = next.hosts_[host];
+        if (rules.see_epoch(shown.scene, client_.highest)) shown.sessions = false;
+      });
     }
     if (left_.joins > 0 && !join_ && !answer_) {
       step("asks " + name + " to join", [&](FleetModel& next) {
@@ -220,7 +245,7 @@ bool FleetModel::deliver_truth(const Rules& rules) {
   for (Host& host : hosts_) {
     const SceneOwnership before = host.scene;
     if (current != nullptr) {
-      rules.see_record(host.scene, current->value, current->revision);
+      if (rules.see_record(host.scene, current->value, current->revision)) host.sessions = false;
     } else {
       host.scene.revision = 0;  // a list says that there is no such key
       host.scene.stored = {};
@@ -233,6 +258,7 @@ bool FleetModel::deliver_truth(const Rules& rules) {
 bool FleetModel::write_truth(const Rules& rules) {
   bool written = false;
   for (Host& host : hosts_) {
+    if (is_handed_to(host.scene, host.self)) rules.take_over(host.scene, host.self);
     const auto record = rules.record_to_write(host.scene);
     if (!record) continue;
     const auto answer = directory_.compare_and_swap(kScene, *record, host.scene.revision);
@@ -255,7 +281,8 @@ bool FleetModel::client_joins(const Rules& rules) {
   for (const Host& host : hosts_)
     if (rules.answer_join(host.scene, client_.highest) == JoinAnswer::accepted)
       return rules.take_session(client_, *host.scene.serving);
-  for (Host& host : hosts_) rules.see_epoch(host.scene, client_.highest);  // it shows its ticket
+  for (Host& host : hosts_)  // it shows its ticket
+    if (rules.see_epoch(host.scene, client_.highest)) host.sessions = false;
   return false;
 }
 
@@ -278,6 +305,8 @@ std::string FleetModel::settle(const Rules& rules) const {
   const auto serving = std::ranges::count_if(
       calm.hosts_, [](const Host& host) { return host.scene.serving.has_value(); });
   if (serving != 1) return std::to_string(serving) + " hosts serve the scene for ever";
+  for (const Host& host : calm.hosts_)
+    if (host.sessions && !host.scene.serving) return "sessions of a former owner go on for ever";
   return joined ? "" : "the client stays outside";
 }
 
@@ -294,6 +323,8 @@ std::vector<std::uint64_t> FleetModel::key() const {
     numbers.add(host.self.number);
     numbers.add(host.scene.highest);
     numbers.add(host.scene.serving);
+    numbers.add(host.scene.leaving);
+    numbers.add(host.sessions ? 1 : 0);
     numbers.add(host.scene.record);
     numbers.add(host.scene.stored);
     numbers.add(host.scene.revision);
@@ -319,7 +350,7 @@ std::vector<std::uint64_t> FleetModel::key() const {
     numbers.add(acceptance.process);
   }
   for (const int left : {left_.claims, left_.takeovers, left_.reservations, left_.writes,
-                         left_.losses, left_.restarts, left_.joins})
+                         left_.losses, left_.restarts, left_.joins, left_.handovers})
     numbers.add(static_cast<std::uint64_t>(left));
   return numbers.take();
 }

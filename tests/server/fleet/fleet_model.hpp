@@ -24,6 +24,7 @@ struct Rules {
   decltype(&feltwire::claim) claim = feltwire::claim;
   decltype(&feltwire::finish_claim) finish_claim = feltwire::finish_claim;
   decltype(&feltwire::take_over) take_over = feltwire::take_over;
+  decltype(&feltwire::hand_over) hand_over = feltwire::hand_over;
   decltype(&feltwire::record_to_write) record_to_write = feltwire::record_to_write;
   decltype(&feltwire::answer_join) answer_join = feltwire::answer_join;
   bool numbers_differ = true;  // of processes at the same time
@@ -34,6 +35,7 @@ struct Rules {
 struct Bounds {
   std::size_t hosts = 3;  // that act
   int claims = 2, takeovers = 2, reservations = 2, writes = 3, losses = 1, restarts = 1, joins = 2;
+  int handovers = 0;
 };
 
 class FleetModel {
@@ -55,6 +57,7 @@ class FleetModel {
   struct Host {
     HostName self;
     SceneOwnership scene;
+    bool sessions = false;  // it may have some
     /// A claim on its way: to the directory, or back with the revision of the answer.
     struct Claim {
       SceneRecord record;
@@ -78,7 +81,8 @@ class FleetModel {
 
   HostName new_process(std::size_t host, const Rules& rules);
   void break_rule(const std::string& rule);
-  void check_host(const Host& host);
+  void check_host(Host& host);
+  void check_former_owner(const Epoch& handed_over);
   void accept(std::size_t host, const Epoch& asked);
   void host_steps(std::size_t host, const Rules& rules,
                   const std::function<void(FleetModel&&, std::string)>& visit) const;

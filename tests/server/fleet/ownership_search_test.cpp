@@ -76,10 +76,12 @@ class Search {
 };
 
 // Each has what the others leave out; all at once would take hours. The order: hosts, claims,
-// takeovers, reservations, writes, losses, restarts, joins.
+// takeovers, reservations, writes, losses, restarts, joins, handovers.
 constexpr Bounds kToldAfterwards{3, 1, 1, 1, 1, 1, 0, 1}, kTwoClaims{2, 2, 1, 1, 1, 1, 0, 1},
     kThreeHosts{3, 2, 1, 1, 1, 0, 0, 0}, kThereAndBack{2, 1, 2, 2, 3, 1, 0, 1},
-    kRestart{2, 2, 0, 0, 0, 1, 1, 2};
+    kRestart{2, 2, 0, 0, 0, 1, 1, 2}, kHandedOver{2, 2, 0, 0, 1, 0, 0, 1, 1},
+    kHandedBack{2, 1, 1, 0, 2, 1, 0, 1, 2}, kHandedToTheDead{2, 2, 0, 0, 1, 1, 1, 0, 1},
+    kHandedToAThird{3, 1, 1, 1, 1, 0, 0, 1, 1};
 
 /// Bounds, and the number of states that they give.
 struct Case {
@@ -99,9 +101,10 @@ TEST_P(EveryLie, LeavesTheRulesWhole) {
 #ifdef FELTWIRE_SANITIZED
 const auto kCases = ::testing::Values(Case{kToldAfterwards, 40'000});
 #else
-const auto kCases = ::testing::Values(Case{kToldAfterwards, 40'000}, Case{kTwoClaims, 200'000},
-                                      Case{kThreeHosts, 100'000}, Case{kThereAndBack, 200'000},
-                                      Case{kRestart, 300'000});
+const auto kCases = ::testing::Values(
+    Case{kToldAfterwards, 40'000}, Case{kTwoClaims, 200'000}, Case{kThreeHosts, 100'000},
+    Case{kThereAndBack, 200'000}, Case{kRestart, 300'000}, Case{kHandedOver, 60'000},
+    Case{kHandedBack, 50'000}, Case{kHandedToTheDead, 200'000}, Case{kHandedToAThird, 140'000});
 #endif
 INSTANTIATE_TEST_SUITE_P(OwnershipSearch, EveryLie, kCases);
 
@@ -210,6 +213,28 @@ TEST(OwnershipSearch, AStandbyThatTakesOverAndTellsNobody) {
     return record && record->standby.number != 0 ? record : std::nullopt;
   };
   EXPECT_EQ(found(mutant, kToldAfterwards, Look::also_at_the_end), kTwoForEver);
+}
+
+TEST(OwnershipSearch, AnOwnerThatTakesJoinsUntilTheNextOneServes) {
+  Rules mutant;
+  mutant.hand_over = [](SceneOwnership& scene, const HostName& target) {
+    const auto serving = scene.serving;
+    hand_over(scene, target);
+    scene.serving = serving;
+    scene.leaving.reset();
+  };
+  EXPECT_EQ(found(mutant, kHandedOver),
+            "a former owner takes joins beside the host that has the scene from it");
+}
+
+TEST(OwnershipSearch, AFormerOwnerThatForgetsItsSessions) {
+  Rules mutant;
+  mutant.hand_over = [](SceneOwnership& scene, const HostName& target) {
+    hand_over(scene, target);
+    scene.leaving.reset();
+  };
+  EXPECT_EQ(found(mutant, kHandedOver, Look::also_at_the_end),
+            "sessions of a former owner go on for ever");
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ SceneOwnership reader_of(const SceneRecord& record) {
 TEST(Ownership, AHostServesWhenItsClaimIsAcknowledged) {
   SceneOwnership scene;
   const SceneRecord record = claim(scene, kA, kDigest);
-  EXPECT_EQ(record, (SceneRecord{kA, {{1, kA.number}, 1}, {}, kDigest}));
+  EXPECT_EQ(record, (SceneRecord{kA, {{1, kA.number}, 1}, {}, kDigest, false}));
   EXPECT_FALSE(scene.serving) << "before the answer";
   EXPECT_EQ(answer_join(scene, {}), JoinAnswer::unknown);
   EXPECT_TRUE(finish_claim(scene, record, 1));
@@ -84,13 +84,13 @@ TEST(Ownership, AClaimThatIsAnsweredTooLateServesNothing) {
 
 TEST(Ownership, AnOwnerLetsGoAtAHigherEpochOnly) {
   SceneOwnership scene = owner();
-  SceneRecord other{kB, {{1, kB.number}, 1}, {}, kDigest};
+  SceneRecord other{kB, {{1, kB.number}, 1}, {}, kDigest, false};
   EXPECT_TRUE(see_record(scene, other, 2)) << "same term, higher number";
   EXPECT_FALSE(scene.serving);
   EXPECT_EQ(answer_join(scene, {}), JoinAnswer::redirected);
 
   scene = owner();
-  other = {{"lower", 3}, {{1, 3}, 1}, {}, kDigest};
+  other = {{"lower", 3}, {{1, 3}, 1}, {}, kDigest, false};
   EXPECT_FALSE(see_record(scene, other, 2));
   EXPECT_TRUE(scene.serving);
   ASSERT_TRUE(record_to_write(scene)) << "the directory has a record that is not the owner's";
@@ -125,6 +125,57 @@ TEST(Ownership, TheStandbyTakesOverWithoutAWrite) {
 
   SceneOwnership former = owner();
   EXPECT_TRUE(see_record(former, *record_to_write(scene), 9));
+}
+
+TEST(Ownership, AHandoverEndsTheJoinsFirstAndTheSessionsLast) {
+  SceneOwnership scene = owner();
+  hand_over(scene, kB);
+  EXPECT_FALSE(scene.serving);
+  EXPECT_EQ(scene.leaving, (Epoch{1, kA.number}));
+  EXPECT_EQ(answer_join(scene, {}), JoinAnswer::unknown) << "neither here nor there yet";
+  const auto record = record_to_write(scene);
+  ASSERT_TRUE(record);
+  EXPECT_TRUE(record->handed_over);
+
+  SceneOwnership other = reader_of(*record);
+  EXPECT_FALSE(is_handed_to(other, kC));
+  EXPECT_FALSE(is_handed_to(other, {kB.name, kB.number + 1})) << "a process that began anew";
+  ASSERT_TRUE(is_handed_to(other, kB));
+  EXPECT_EQ(answer_join(other, {}), JoinAnswer::unknown) << "no redirect to the former owner";
+  ASSERT_TRUE(take_over(other, kB));
+  EXPECT_FALSE(is_handed_to(other, kB));
+  const auto next = record_to_write(other);
+  ASSERT_TRUE(next);
+  EXPECT_EQ(next->version.epoch, (Epoch{2, kB.number}));
+  EXPECT_FALSE(next->handed_over);
+
+  finish_write(scene, *record, 2);
+  EXPECT_EQ(record_to_write(scene), std::nullopt);
+  EXPECT_FALSE(see_record(scene, *record, 2)) << "its own record ends nothing";
+  EXPECT_TRUE(see_record(scene, *next, 3)) << "now the sessions end";
+  EXPECT_FALSE(scene.leaving);
+  EXPECT_EQ(answer_join(scene, {}), JoinAnswer::redirected);
+}
+
+/// The target has died, say. The sessions have gone on all the time.
+TEST(Ownership, AFormerOwnerTakesBackWhatNobodyTook) {
+  SceneOwnership scene = owner();
+  hand_over(scene, kB);
+  const SceneRecord record = claim(scene, kA, kDigest);
+  EXPECT_EQ(record.version.epoch, (Epoch{3, kA.number})) << "beyond the target's";
+  EXPECT_FALSE(see_record(scene, record, 3)) << "seen before the answer to the claim";
+  EXPECT_TRUE(scene.leaving);
+  EXPECT_TRUE(finish_claim(scene, record, 3));
+  EXPECT_EQ(scene.serving, (Epoch{3, kA.number}));
+  EXPECT_FALSE(scene.leaving);
+  SceneOwnership late = reader_of(*record_to_write([] {
+    SceneOwnership before = owner();
+    hand_over(before, kB);
+    return before;
+  }()));
+  ASSERT_TRUE(take_over(late, kB));
+  EXPECT_FALSE(see_record(scene, *record_to_write(late), 4)) << "it comes too late";
+  EXPECT_TRUE(see_record(late, record, 3));
 }
 
 TEST(Ownership, AStandbyThatKnowsOfALaterOwnerStays) {

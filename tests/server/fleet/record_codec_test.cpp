@@ -10,7 +10,7 @@ namespace feltwire::record_codec_test {
 namespace {
 
 SceneRecord scene() {
-  SceneRecord record{{"host-a", 11}, {{3, 11}, 7}, {"host-b", 22}, {}};
+  SceneRecord record{{"host-a", 11}, {{3, 11}, 7}, {"host-b", 22}, {}, false};
   record.digest.fill(0xab);
   return record;
 }
@@ -39,6 +39,9 @@ TEST(RecordCodec, BytesGiveTheRecordBack) {
   SceneRecord alone = scene();
   alone.standby = {};
   EXPECT_EQ(decode_scene_record(encode(alone)), alone);
+  SceneRecord handed = scene();
+  handed.handed_over = true;
+  EXPECT_EQ(decode_scene_record(encode(handed)), handed);
   EXPECT_EQ(decode_host_record(encode(heartbeat())), heartbeat());
 }
 
@@ -53,6 +56,10 @@ TEST(RecordCodec, ARecordThatCannotBeIsNone) {
   EXPECT_TRUE(refused([](SceneRecord& record) { record.standby = record.owner; }));
   EXPECT_TRUE(refused([](SceneRecord& record) { record.version.epoch.term = 0; }));
   EXPECT_TRUE(refused([](SceneRecord& record) { record.version.change = 0; }));
+  EXPECT_TRUE(refused([](SceneRecord& record) {
+    record.handed_over = true;
+    record.standby = {};
+  }));
   HostRecord nobody = heartbeat();
   nobody.host.number = 0;
   EXPECT_EQ(decode_host_record(encode(nobody)), std::nullopt);
