@@ -1,10 +1,11 @@
 #pragma once
-// The directory of a fleet: two buckets of small values that all hosts write and watch.
+// The directory of a fleet: three buckets of small values that all hosts watch.
 //
 // It decides nothing. A directory may lose what it has acknowledged and may answer late or twice;
 // the rules of ownership.hpp hold with all of that. So there is no get: a read after a write need
 // not see it. A host writes by compare-and-swap, and learns from a watch what became of it.
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -16,7 +17,12 @@
 
 namespace feltwire {
 
-enum class Bucket { hosts, scenes };
+enum class Bucket {
+  hosts,   // by the host's name, its heartbeat; only this host writes it
+  scenes,  // by the scene's name, its record; hosts write it
+  wishes,  // by the host's name, a wish to it; only `feltwire-server fleet` writes it
+};
+inline constexpr std::size_t kBucketCount = 3;
 
 /// The newest value of a key.
 struct DirectoryEntry {

@@ -32,7 +32,7 @@ class MemoryDirectory final : public Directory {
 
   std::mutex mutex_;
   std::condition_variable written_;
-  std::array<Contents, 2> contents_;  // by Bucket
+  std::array<Contents, kBucketCount> contents_;  // by Bucket
 };
 
 }  // namespace feltwire

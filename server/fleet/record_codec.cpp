@@ -19,6 +19,15 @@ flatbuffers::Offset<fleet_file::Host> write_host(flatbuffers::FlatBufferBuilder&
   return fleet_file::CreateHost(builder, builder.CreateString(host.name), host.number);
 }
 
+flatbuffers::Offset<flatbuffers::String> text_or_none(flatbuffers::FlatBufferBuilder& builder,
+                                                      const std::string& text) {
+  return text.empty() ? flatbuffers::Offset<flatbuffers::String>() : builder.CreateString(text);
+}
+
+std::string read_text(const flatbuffers::String* text) {
+  return text != nullptr ? text->str() : std::string();
+}
+
 HostName read_host(const fleet_file::Host* host) {
   return host != nullptr ? HostName{host->name()->str(), host->number()} : HostName{};
 }
@@ -77,9 +86,23 @@ std::string encode(const HostRecord& record) {
   const auto ticket_keys = builder.CreateVector(keys);
   const auto free_shares = builder.CreateVector(record.free_shares);
   const auto scenes = record.scenes.empty() ? 0 : builder.CreateVector(record.scenes);
+  const auto refusal = text_or_none(builder, record.wish_refusal);
+  const auto kept = text_or_none(builder, record.kept);
   builder.Finish(fleet_file::CreateHeartbeat(
       builder, host, record.beat, addresses, record.control_port, fingerprint, version, rack,
-      ticket_keys, free_shares, record.hands, record.late_p99_us, record.draining, scenes));
+      ticket_keys, free_shares, record.hands, record.late_p99_us, record.draining, scenes,
+      record.wish, refusal, kept));
+  return text_of(builder);
+}
+
+std::string encode(const Wish& wish) {
+  flatbuffers::FlatBufferBuilder builder;
+  const auto host = write_host(builder, wish.host);
+  const auto scene = text_or_none(builder, wish.scene);
+  const auto target = wish.target.number != 0 ? write_host(builder, wish.target)
+                                              : flatbuffers::Offset<fleet_file::Host>();
+  builder.Finish(fleet_file::CreateWish(
+      builder, host, wish.serial, static_cast<std::uint8_t>(wish.kind), scene, wish.term, target));
   return text_of(builder);
 }
 
@@ -121,9 +144,31 @@ std::optional<HostRecord> decode_host_record(std::string_view bytes) {
   record.draining = beat->draining();
   if (beat->scenes() != nullptr)
     record.scenes.assign(beat->scenes()->begin(), beat->scenes()->end());
+  record.wish = beat->wish();
+  record.wish_refusal = read_text(beat->wish_refusal());
+  record.kept = read_text(beat->kept());
   if (record.host.number == 0 || !read_bytes(*beat->fingerprint(), record.fingerprint))
     return std::nullopt;
   return record;
+}
+
+std::optional<Wish> decode_wish(std::string_view bytes) {
+  std::vector<std::uint64_t> aligned;
+  const auto* const read = verified<fleet_file::Wish>(bytes, aligned);
+  if (read == nullptr || read->kind() > static_cast<std::uint8_t>(WishKind::move))
+    return std::nullopt;
+  Wish wish;
+  wish.host = read_host(read->host());
+  wish.serial = read->serial();
+  wish.kind = static_cast<WishKind>(read->kind());
+  wish.scene = read_text(read->scene());
+  wish.term = read->term();
+  wish.target = read_host(read->target());
+  const bool whole = wish.kind != WishKind::move ||
+                     (!wish.scene.empty() && wish.term != 0 && wish.target.number != 0 &&
+                      wish.target.number != wish.host.number);
+  if (wish.host.number == 0 || wish.serial == 0 || !whole) return std::nullopt;
+  return wish;
 }
 
 }  // namespace feltwire

@@ -77,8 +77,11 @@ struct HostRecord {
   std::vector<std::uint8_t> free_shares;       // [%] of each pinned core, what scenes do not use
   std::uint32_t hands = 0;
   std::uint32_t late_p99_us = 0;           // [us] the 99th percentile of late answers
-  bool draining = false;                   // takes no further scene
+  bool draining = false;                   // takes no further scene, and hands its own over
   std::vector<std::uint64_t> scenes = {};  // scene_tag() of each scene that it could serve
+  std::uint64_t wish = 0;                  // number of the newest wish that it has read; 0: none
+  std::string wish_refusal = {};           // why it does not do that, for people; empty: it does
+  std::string kept = {};  // the scenes that it keeps although it drains, and why, for people
 
   friend bool operator==(const HostRecord&, const HostRecord&) = default;
 };

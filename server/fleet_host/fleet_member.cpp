@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/visible_text.hpp"
 #include "protocol/net/ports.hpp"
-#include "server/fleet/placement.hpp"
 #include "server/fleet/record_codec.hpp"
 
 namespace feltwire {
@@ -20,13 +20,11 @@ Refused nobody(std::string_view scene) {
                                    "' at present, as far as this one knows; try again"};
 }
 
-bool is_ipv6(const std::string& address) { return address.find(':') != std::string::npos; }
-
 }  // namespace
 
 FleetMember::FleetMember(HostRecord about, const std::vector<LoadedFleetScene>& scenes,
                          const SigningKeys& keys)
-    : about_(std::move(about)), keys_(keys), gate_(kTickets) {
+    : about_(std::move(about)), keys_(keys), gate_(kTickets), hosts_(about_.host) {
   about_.ticket_keys = keys_.valid();
   ticket_keys_.set(about_.host.name, about_.ticket_keys);
   for (const LoadedFleetScene& scene : scenes) {
@@ -46,7 +44,7 @@ std::optional<FleetMember::Answer> FleetMember::answer(const Join& join, Nanosec
   const SceneRecord& record = scene.ownership.record;
   switch (answer_join(scene.ownership, join.seen)) {
     case JoinAnswer::accepted:
-      return Seat{*scene.ownership.serving, others(record, join.ipv6)};
+      return Seat{*scene.ownership.serving, hosts_.others(record, join.ipv6)};
     case JoinAnswer::redirected:
       // The client may come because the owner is silent: see whether it is.
       scene.wanted = scene.wanted || may_take(scene, now);
@@ -78,7 +76,7 @@ FleetMember::Answer FleetMember::redirect(const KnownScene& scene, const Join& j
                                           std::chrono::sys_seconds date) const {
   const SceneRecord& record = scene.ownership.record;
   if (record.owner == about_.host) return nobody(join.scene);
-  const auto host = address_of(record.owner, join.ipv6);
+  const auto host = hosts_.address_of(record.owner, join.ipv6);
   const std::string text = "scene '" + std::string(join.scene) + "' is served by host " +
                            record.owner.name + " of the fleet";
   if (!host)
@@ -94,40 +92,71 @@ FleetMember::Answer FleetMember::redirect(const KnownScene& scene, const Join& j
 std::optional<std::string> FleetMember::elsewhere(std::string_view scene) const {
   const std::lock_guard lock(mutex_);
   const auto found = scenes_.find(scene);
-  if (found == scenes_.end() || found->second.ownership.serving) return std::nullopt;
+  if (found == scenes_.end() || found->second.ownership.serving || found->second.ownership.leaving)
+    return std::nullopt;
   const HostName& owner = found->second.ownership.record.owner;
   if (owner.number == 0) return std::nullopt;
-  const auto host = address_of(owner, false);
+  const auto host = hosts_.address_of(owner, false);
   return owner.name + (host ? " at " + host_and_port(host->address, host->port) : std::string());
 }
 
 void FleetMember::see(Bucket bucket, const DirectoryEntry& entry, Nanoseconds now) {
   const std::lock_guard lock(mutex_);
-  if (began_ < Nanoseconds(0)) began_ = now;
-  if (bucket == Bucket::hosts) return see_host(entry, now);
-  see_scene(entry);
+  hosts_.begin(now);
+  switch (bucket) {
+    case Bucket::hosts:
+      return see_host(entry, now);
+    case Bucket::scenes:
+      return see_scene(entry);
+    case Bucket::wishes:
+      return see_wish(entry, now);
+  }
 }
 
 void FleetMember::see_host(const DirectoryEntry& entry, Nanoseconds now) {
-  auto record = decode_host_record(entry.value);
-  if (!record || record->host.name != entry.key || record->host.name == about_.host.name) return;
-  KnownHost& known = hosts_[entry.key];
-  const HostName& before = known.record.host;
-  // A watch may deliver one heartbeat again and again: that is no sign of life.
-  if (before == record->host && record->beat <= known.record.beat) return;
-  const auto ended = gone_.find(record->host.number);
-  if (ended != gone_.end() && record->beat <= ended->second) return;
-  gone_.erase(record->host.number);
-  if (before.number != 0 && before.number != record->host.number)
-    gone_[before.number] = known.record.beat;
-  ticket_keys_.set(entry.key, record->ticket_keys);
-  known = {*std::move(record), now};
+  const auto record = decode_host_record(entry.value);
+  if (record && hosts_.see(entry.key, *record, now))
+    ticket_keys_.set(entry.key, record->ticket_keys);
 }
 
 void FleetMember::see_scene(const DirectoryEntry& entry) {
   const auto record = decode_scene_record(entry.value);
   if (!record) return;
-  if (see_record(scenes_[entry.key].ownership, *record, entry.revision)) lost_.push_back(entry.key);
+  KnownScene& scene = scenes_[entry.key];
+  if (!see_record(scene.ownership, *record, entry.revision)) return;
+  scene.move_to = {};
+  scene.kept.clear();
+  lost_.push_back(entry.key);
+}
+
+/// A wish is for one process, which carries it out once: a directory may deliver it again, after a
+/// later one too.
+void FleetMember::see_wish(const DirectoryEntry& entry, Nanoseconds now) {
+  const auto wish = decode_wish(entry.value);
+  if (!wish || wish->host != about_.host || wish->serial <= about_.wish) return;
+  about_.wish = wish->serial;
+  about_.wish_refusal = carry_out(*wish, now);
+  news_ = true;
+}
+
+/// Returns why it cannot be done; empty: it will be done.
+std::string FleetMember::carry_out(const Wish& wish, Nanoseconds now) {
+  if (wish.kind == WishKind::undrain && ends_) return "the host is about to end";
+  if (wish.kind != WishKind::move) {
+    set_draining(wish.kind == WishKind::drain);
+    return {};
+  }
+  const auto found = scenes_.find(wish.scene);
+  if (found == scenes_.end() || !found->second.ownership.serving ||
+      found->second.ownership.serving->term != wish.term)
+    return "it does not serve scene " + visible(wish.scene) + " in term " +
+           std::to_string(wish.term) + " any more";
+  KnownScene& scene = found->second;
+  if (auto unfit = hosts_.unfit(wish.target, scene_tag(wish.scene, *scene.loaded), now))
+    return *std::move(unfit);
+  scene.move_to = wish.target;
+  scene.hand_over_from = now;
+  return {};
 }
 
 void FleetMember::listed() {
@@ -137,8 +166,7 @@ void FleetMember::listed() {
 
 void FleetMember::heard(Nanoseconds now) {
   const std::lock_guard lock(mutex_);
-  heard_ = now;
-  if (began_ < Nanoseconds(0)) began_ = now;
+  hosts_.heard(now);
 }
 
 HostRecord FleetMember::heartbeat(const Load& load) {
@@ -146,84 +174,45 @@ HostRecord FleetMember::heartbeat(const Load& load) {
   ++about_.beat;
   about_.hands = load.hands;
   about_.free_shares = load.free_shares;
+  about_.kept = kept();
   return about_;
-}
-
-const FleetMember::KnownHost* FleetMember::find(const HostName& host) const {
-  const auto found = hosts_.find(host.name);
-  return found != hosts_.end() && found->second.record.host == host ? &found->second : nullptr;
-}
-
-/// Whether the process has ended for certain.
-bool FleetMember::gone(const HostName& host) const {
-  if (host.name == about_.host.name) return host.number != about_.host.number;
-  return gone_.contains(host.number);
-}
-
-/// Whether no heartbeat of it has come for some time. Nothing is known about it while the directory
-/// itself is silent.
-bool FleetMember::silent(const HostName& host, Nanoseconds now) const {
-  if (gone(host)) return true;
-  if (heard_ < Nanoseconds(0) || now - heard_ > kSilent) return false;
-  const KnownHost* const known = find(host);
-  return now - (known != nullptr ? known->heard : began_) > kSilent;
 }
 
 /// Whether this host is the one to take the scene over if its owner is gone: it is the standby, or
 /// there is none that lives.
 bool FleetMember::may_take(const KnownScene& scene, Nanoseconds now) const {
   const SceneRecord& record = scene.ownership.record;
-  if (!scene.loaded || scene.ownership.serving || record.owner.number == 0) return false;
+  const SceneOwnership& ownership = scene.ownership;
+  if (!scene.loaded || ownership.serving || ownership.leaving || record.owner.number == 0)
+    return false;
   if (record.standby.number == about_.host.number) return true;
-  return record.standby.number == 0 || silent(record.standby, now);
+  return record.standby.number == 0 || hosts_.silent(record.standby, now);
 }
 
-std::optional<control::FleetHost> FleetMember::address_of(const HostName& host, bool ipv6) const {
-  const KnownHost* const known = find(host);
-  if (known == nullptr || known->record.addresses.empty()) return std::nullopt;
-  const std::vector<std::string>& all = known->record.addresses;
-  const auto same = std::ranges::find_if(
-      all, [&](const std::string& address) { return is_ipv6(address) == ipv6; });
-  return control::FleetHost{same != all.end() ? *same : all.front(), known->record.control_port,
-                            known->record.fingerprint};
-}
-
-/// The hosts to ask if this one is silent: the standby, then any others.
-std::vector<control::FleetHost> FleetMember::others(const SceneRecord& record, bool ipv6) const {
-  std::vector<control::FleetHost> result;
-  const auto add = [&](const HostName& host) {
-    const auto address = address_of(host, ipv6);
-    if (address && result.size() < control::kMaxFleetHosts &&
-        std::ranges::count(result, *address) == 0)
-      result.push_back(*address);
-  };
-  add(record.standby);
-  for (const auto& [name, host] : hosts_) add(host.record.host);
-  return result;
-}
-
-/// Returns a host with the scene's files: of two that are drawn at random, the one with more room,
-/// in another rack if there is one. Number 0: there is none.
-HostName FleetMember::choose_standby(const std::string& name, const KnownScene& scene,
-                                     Nanoseconds now, std::uint64_t random) const {
+/// Names another standby if there is none that lives and takes scenes.
+void FleetMember::name_standby(const std::string& name, KnownScene& scene, Nanoseconds now,
+                               std::uint64_t random) {
+  const HostName& standby = scene.ownership.record.standby;
   const std::uint64_t tag = scene_tag(name, *scene.loaded);
-  for (const bool other_rack : {true, false}) {
-    std::vector<HostName> names;
-    std::vector<HostRoom> rooms;
-    for (const auto& [key, host] : hosts_) {
-      const HostRecord& record = host.record;
-      if (silent(record.host, now) || record.draining ||
-          std::ranges::count(record.scenes, tag) == 0)
-        continue;
-      if (other_rack && !about_.rack.empty() && record.rack == about_.rack) continue;
-      names.push_back(record.host);
-      rooms.push_back(room_of(record));
-    }
-    if (names.empty()) continue;
-    const auto chosen = place(rooms, SceneCost{}, random);
-    return names[chosen.value_or(random % names.size())];
-  }
-  return {};
+  const HostRecord* const known = hosts_.find(standby);
+  const bool drains = known != nullptr && known->draining;
+  if (standby.number != 0 && !drains && !hosts_.silent(standby, now)) return;
+  const HostName chosen = hosts_.choose(tag, about_.rack, 0, now, random);
+  if (chosen.number != standby.number) reserve_standby(scene.ownership, chosen);
+}
+
+/// Whether nobody else is to have the scene that this host does not serve.
+bool FleetMember::may_claim(const KnownScene& scene, Nanoseconds now) const {
+  const SceneOwnership& ownership = scene.ownership;
+  const SceneRecord& record = ownership.record;
+  // The scene comes back if the other host has not taken it, even to a host that drains.
+  if (ownership.leaving) return now >= scene.take_until || hosts_.gone(record.standby);
+  // Without an answer to its claim, this host may have the record and not know that it serves.
+  const bool free =
+      record.owner.number == 0 || record.owner == about_.host || hosts_.gone(record.owner);
+  if (!listed_ || !free || about_.draining) return false;
+  // The standby comes first: it needs no write. If its heartbeats are missing, suspect() names it.
+  return record.standby.number == 0 || record.standby == about_.host || hosts_.gone(record.standby);
 }
 
 std::vector<FleetMember::Write> FleetMember::writes(Nanoseconds now, std::uint64_t random) {
@@ -232,27 +221,16 @@ std::vector<FleetMember::Write> FleetMember::writes(Nanoseconds now, std::uint64
   for (auto& [name, scene] : scenes_) {
     SceneOwnership& ownership = scene.ownership;
     if (!scene.loaded) continue;
-    if (gone(ownership.record.owner)) take_over(ownership, about_.host);  // if it is the standby
-    if (ownership.serving) {
-      const HostName& standby = ownership.record.standby;
-      if (standby.number == 0 || silent(standby, now)) {
-        const HostName chosen = choose_standby(name, scene, now, random + result.size());
-        if (chosen.number != standby.number) reserve_standby(ownership, chosen);
-      }
-      if (const auto record = record_to_write(ownership))
-        result.push_back({name, *record, ownership.revision, false});
-      continue;
+    // If it is the standby.
+    if (hosts_.gone(ownership.record.owner)) take_over(ownership, about_.host);
+    if (ownership.serving) name_standby(name, scene, now, random + result.size());
+    if (!ownership.serving && may_claim(scene, now)) {
+      if (ownership.leaving) take_back(scene, now);
+      const SceneRecord claimed = claim(ownership, about_.host, *scene.loaded);
+      result.push_back({name, claimed, ownership.revision, true});
+    } else if (const auto record = record_to_write(ownership)) {
+      result.push_back({name, *record, ownership.revision, false});
     }
-    const SceneRecord& record = ownership.record;
-    // Without an answer to its claim, this host may have the record and not know that it serves.
-    const bool free = record.owner.number == 0 || record.owner == about_.host || gone(record.owner);
-    if (!listed_ || !free || about_.draining) continue;
-    // The standby comes first: it needs no write. If its heartbeats are missing, suspect() names
-    // it.
-    if (record.standby.number != 0 && record.standby != about_.host && !gone(record.standby))
-      continue;
-    const SceneRecord claimed = claim(ownership, about_.host, *scene.loaded);
-    result.push_back({name, claimed, ownership.revision, true});
   }
   return result;
 }
@@ -272,18 +250,18 @@ std::optional<FleetMember::Suspect> FleetMember::suspect(Nanoseconds now) {
   const std::lock_guard lock(mutex_);
   for (auto& [name, scene] : scenes_) {
     const SceneRecord& record = scene.ownership.record;
-    if (!(scene.wanted || silent(record.owner, now)) || !may_take(scene, now)) continue;
+    if (!(scene.wanted || hosts_.silent(record.owner, now)) || !may_take(scene, now)) continue;
     // The standby of an owner that is gone may serve already, while the directory does not know it.
-    const HostName& host = gone(record.owner) ? record.standby : record.owner;
-    if (host.number == 0 || host == about_.host || gone(host)) continue;
+    const HostName& host = hosts_.gone(record.owner) ? record.standby : record.owner;
+    if (host.number == 0 || host == about_.host || hosts_.gone(host)) continue;
     const auto asked = asked_.find(host.number);
     if (asked != asked_.end() && now - asked->second < kProbeAgain) continue;
     scene.wanted = false;
     asked_[host.number] = now;
-    const auto address = address_of(host, false);
+    const auto address = hosts_.address_of(host, false);
     if (address) return Suspect{host, address->address, address->port, address->fingerprint};
     // Nobody has heard of it while the directory was there: it has left no heartbeat.
-    if (silent(host, now)) return Suspect{host, {}, 0, {}};
+    if (hosts_.silent(host, now)) return Suspect{host, {}, 0, {}};
   }
   return std::nullopt;
 }
@@ -292,12 +270,133 @@ std::vector<std::string> FleetMember::probed(const HostName& host, bool answers)
   const std::lock_guard lock(mutex_);
   std::vector<std::string> taken;
   if (answers) return taken;
-  const KnownHost* const known = find(host);
-  gone_.emplace(host.number, known != nullptr ? known->record.beat : 0);
+  hosts_.lose(host);
   for (auto& [name, scene] : scenes_)
     if (scene.loaded && scene.ownership.record.owner == host && take_over(scene.ownership, self()))
       taken.push_back(name);
   return taken;
+}
+
+void FleetMember::drain(bool ends) {
+  const std::lock_guard lock(mutex_);
+  set_draining(true);
+  ends_ = ends_ || ends;
+  news_ = true;  // no host shall choose this one any more
+}
+
+/// Begins anew with all scenes: what kept one before need not do so now.
+void FleetMember::set_draining(bool draining) {
+  about_.draining = draining;
+  for (auto& [name, scene] : scenes_) {
+    scene.kept.clear();
+    scene.hand_over_from = {};
+  }
+}
+
+/// The scene has not been taken in time. It is this host's again once its claim is acknowledged.
+void FleetMember::take_back(KnownScene& scene, Nanoseconds now) {
+  const std::string& other = scene.ownership.record.standby.name;
+  if (!other.empty()) scene.kept = "host " + visible(other) + " has not taken it";
+  if (scene.move_to.number != 0) about_.wish_refusal = scene.kept;
+  news_ = news_ || scene.move_to.number != 0;
+  scene.move_to = {};
+  scene.hand_over_from = now + kHandOverAgain;
+}
+
+/// The host that a scene is to go to; number 0: none, and `kept` says why.
+HostName FleetMember::target_of(const std::string& name, KnownScene& scene, Nanoseconds now,
+                                std::uint64_t random) const {
+  if (scene.move_to.number != 0) return scene.move_to;
+  const std::uint64_t tag = scene_tag(name, *scene.loaded);
+  const HostName& standby = scene.ownership.record.standby;
+  if (standby.number != 0 && !hosts_.unfit(standby, tag, now)) return standby;
+  const HostName chosen = hosts_.choose(tag, about_.rack, 0, now, random);
+  if (chosen.number == 0) scene.kept = "no other host that takes scenes has its files";
+  return chosen;
+}
+
+std::vector<FleetMember::HandOver> FleetMember::hand_overs(Nanoseconds now, std::uint64_t random) {
+  const std::lock_guard lock(mutex_);
+  std::vector<HandOver> result;
+  auto under_way = static_cast<std::size_t>(std::ranges::count_if(
+      scenes_, [](const auto& entry) { return entry.second.ownership.leaving.has_value(); }));
+  for (auto& [name, scene] : scenes_) {
+    const bool asked = about_.draining || scene.move_to.number != 0;
+    if (!asked || !scene.ownership.serving || now < scene.hand_over_from) continue;
+    // The handover goes through the directory. While that is silent, the host keeps its scenes.
+    if (!hosts_.directory_answers(now)) {
+      scene.kept = "the directory does not answer";
+      continue;
+    }
+    if (under_way >= kHandOversAtOnce) break;
+    const HostName target = target_of(name, scene, now, random + result.size());
+    const auto address = hosts_.address_of(target, false);
+    if (!address) continue;
+    ++under_way;
+    result.push_back({name, {target, address->address, address->port, address->fingerprint}});
+  }
+  return result;
+}
+
+bool FleetMember::hand_over(const HandOver& asked, bool answers, Nanoseconds now) {
+  const std::lock_guard lock(mutex_);
+  KnownScene& scene = scenes_[asked.scene];
+  if (!scene.ownership.serving) return false;
+  if (!answers) {
+    scene.kept = "host " + visible(asked.target.host.name) + " gives no answer";
+    scene.hand_over_from = now + kHandOverAgain;
+    if (std::exchange(scene.move_to, {}).number != 0) {
+      about_.wish_refusal = scene.kept;
+      news_ = true;
+    }
+    return false;
+  }
+  feltwire::hand_over(scene.ownership, asked.target.host);
+  scene.take_until = now + kTakeTime;
+  scene.kept.clear();
+  return true;
+}
+
+std::vector<std::string> FleetMember::take_handed() {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> taken;
+  for (auto& [name, scene] : scenes_) {
+    if (about_.draining || !is_handed_to(scene.ownership, about_.host)) continue;
+    if (scene.loaded == scene.ownership.record.digest && take_over(scene.ownership, about_.host))
+      taken.push_back(name);
+  }
+  return taken;
+}
+
+bool FleetMember::take_news() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(news_, false);
+}
+
+bool FleetMember::drained() const {
+  const std::lock_guard lock(mutex_);
+  return std::ranges::none_of(scenes_, [](const auto& entry) {
+    const KnownScene& scene = entry.second;
+    return scene.ownership.leaving || (scene.ownership.serving && scene.kept.empty());
+  });
+}
+
+/// The scenes that a host keeps although it drains, with the reasons, for people.
+std::string FleetMember::kept() const {
+  constexpr int kMost = 4;  // of many
+  std::string text;
+  int more = 0;
+  if (!about_.draining) return text;
+  for (const auto& [name, scene] : scenes_) {
+    if (scene.kept.empty()) continue;
+    if (text.empty())
+      text = name + ": " + scene.kept;
+    else if (more < kMost)
+      text += "; " + name + ": " + scene.kept;
+    ++more;
+  }
+  if (more > kMost + 1) text += "; and more";
+  return text;
 }
 
 void FleetMember::announce(const paseto::SigningKey& next) {

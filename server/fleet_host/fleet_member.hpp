@@ -17,12 +17,18 @@
 #include "server/fleet/scene_record.hpp"
 #include "server/fleet/signing_keys.hpp"
 #include "server/fleet/ticket.hpp"
+#include "server/fleet/wish.hpp"
+#include "server/fleet_host/known_hosts.hpp"
 
 namespace feltwire {
 
-inline constexpr Nanoseconds kBeat = std::chrono::seconds(2);  // between two heartbeats
-inline constexpr Nanoseconds kSilent = 3 * kBeat;              // a host without a heartbeat
 inline constexpr Nanoseconds kProbeAgain = std::chrono::milliseconds(500);
+/// The time that the host to which a scene is handed over has to take it. Then the former owner
+/// takes the scene back, and tries again after the second time.
+inline constexpr Nanoseconds kTakeTime = std::chrono::seconds(3);
+inline constexpr Nanoseconds kHandOverAgain = std::chrono::seconds(10);
+/// Scenes that are on their way to other hosts at a time.
+inline constexpr std::size_t kHandOversAtOnce = 4;
 
 /// A scene that the host has loaded, and could serve.
 struct LoadedFleetScene {
@@ -98,6 +104,27 @@ class FleetMember {
   /// Returns the scenes that this host serves from now on, because their owner is gone.
   std::vector<std::string> probed(const HostName& host, bool answers);
 
+  // ---- Handing over ----
+
+  /// The host takes no further scene and hands its own over, as after the wish to drain. `ends`: it
+  /// is about to end, and no wish changes that.
+  void drain(bool ends);
+  /// A scene that is to go to another host, once that has answered.
+  struct HandOver {
+    std::string scene;
+    Suspect target;
+  };
+  std::vector<HandOver> hand_overs(Nanoseconds now, std::uint64_t random);
+  /// The target was asked. Returns whether the scene is handed over to it.
+  bool hand_over(const HandOver& asked, bool answers, Nanoseconds now);
+  /// Returns the scenes that this host serves from now on, because their owners have handed them
+  /// over to it.
+  std::vector<std::string> take_handed();
+  /// Whether the host has answered a wish since the last call: its heartbeat says so.
+  bool take_news();
+  /// Whether a host that drains can do no more: it has no scene, or none that another host takes.
+  bool drained() const;
+
   /// As of SigningKeys: the next key of tickets, and its turn to sign.
   void announce(const paseto::SigningKey& next);
   void change_key();
@@ -109,45 +136,46 @@ class FleetMember {
   const HostName& self() const { return about_.host; }
 
  private:
-  struct KnownHost {
-    HostRecord record;
-    Nanoseconds heard{0};
-  };
   struct KnownScene {
     SceneOwnership ownership;
     std::optional<SceneDigest> loaded;  // the digest of this host's files; empty: it has none
     bool wanted = false;                // a client asked for it, and this host may take it over
+    HostName move_to;                   // that a wish names; number 0: none
+    Nanoseconds take_until{0};          // a scene that was handed over: then it is taken back
+    Nanoseconds hand_over_from{0};      // not before, as it was taken back
+    std::string kept;                   // why it is not handed over, for people; empty: nothing
   };
   using Scenes = std::map<std::string, KnownScene, std::less<>>;
 
   void see_host(const DirectoryEntry& entry, Nanoseconds now);
   void see_scene(const DirectoryEntry& entry);
-  const KnownHost* find(const HostName& host) const;
-  bool silent(const HostName& host, Nanoseconds now) const;
-  bool gone(const HostName& host) const;
+  void see_wish(const DirectoryEntry& entry, Nanoseconds now);
+  std::string carry_out(const Wish& wish, Nanoseconds now);
+  std::string kept() const;
+  void set_draining(bool draining);
+  void take_back(KnownScene& scene, Nanoseconds now);
+  HostName target_of(const std::string& name, KnownScene& scene, Nanoseconds now,
+                     std::uint64_t random) const;
+  void name_standby(const std::string& name, KnownScene& scene, Nanoseconds now,
+                    std::uint64_t random);
+  bool may_claim(const KnownScene& scene, Nanoseconds now) const;
   bool may_take(const KnownScene& scene, Nanoseconds now) const;
-  std::optional<control::FleetHost> address_of(const HostName& host, bool ipv6) const;
-  std::vector<control::FleetHost> others(const SceneRecord& record, bool ipv6) const;
   std::optional<control::Refused> check_ticket(KnownScene& scene, const Join& join,
                                                std::chrono::sys_seconds date);
   Answer redirect(const KnownScene& scene, const Join& join, std::chrono::sys_seconds date) const;
-  HostName choose_standby(const std::string& name, const KnownScene& scene, Nanoseconds now,
-                          std::uint64_t random) const;
 
   mutable std::mutex mutex_;
   HostRecord about_;
   SigningKeys keys_;
   TicketKeys ticket_keys_;
   TicketGate gate_;
-  std::map<std::string, KnownHost> hosts_;  // by name, without this one
+  KnownHosts hosts_;
   Scenes scenes_;
   std::map<HostNumber, Nanoseconds> asked_;  // when a suspect was asked last
-  // Processes that have ended, with the number of their last heartbeat. A later one shows that a
-  // process lives after all.
-  std::map<HostNumber, std::uint64_t> gone_;
   std::vector<std::string> lost_;
-  Nanoseconds began_{-1}, heard_{-1};
   bool listed_ = false;
+  bool ends_ = false;
+  bool news_ = false;  // for take_news()
 };
 
 }  // namespace feltwire

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <asio/ip/address.hpp>
+#include <map>
 #include <random>
 #include <system_error>
 #include <utility>
@@ -58,6 +59,7 @@ void HostAgent::start() {
 void HostAgent::watch(Nanoseconds now) {
   hosts_ = directory_->watch(Bucket::hosts);
   scenes_ = directory_->watch(Bucket::scenes);
+  wishes_ = directory_->watch(Bucket::wishes);
   delivered_ = now;
 }
 
@@ -68,6 +70,13 @@ void HostAgent::stop() {
   }
   woken_.notify_all();
   if (thread_.joinable()) thread_.join();
+}
+
+void HostAgent::drain(Nanoseconds patience) {
+  member_.drain(true);
+  std::unique_lock lock(mutex_);
+  ends_ = true;
+  woken_.wait_for(lock, patience, [this] { return drained_ || stop_; });
 }
 
 bool HostAgent::ended() {
@@ -94,12 +103,32 @@ void HostAgent::look(Nanoseconds now) {
       spdlog::warn("fleet: another host serves scene {} now", visible(scene));
     callbacks_.lost(std::move(lost));
   }
+  read(Bucket::wishes, *wishes_);
+  for (const std::string& scene : member_.take_handed())
+    spdlog::info("fleet: this host serves scene {} from now on; its owner has handed it over",
+                 visible(scene));
   ask_suspects();
-  if (now >= next_beat_) beat(now);
+  hand_over();
+  if (member_.take_news() || now >= next_beat_) beat(now);
   ask_suspects();
   if (now >= next_list_) list(now);
   if (now >= next_write_) write(now);
   if (now >= next_key_ && !keys_.empty()) change_keys(now);
+  const std::lock_guard lock(mutex_);
+  drained_ = ends_ && member_.drained();
+  if (drained_) woken_.notify_all();
+}
+
+/// Hands scenes over to hosts that answer. The record that says so is written directly after.
+void HostAgent::hand_over() {
+  static thread_local std::random_device random;
+  std::map<HostNumber, bool> there;
+  for (const FleetMember::HandOver& next : member_.hand_overs(monotonic_now(), random())) {
+    const HostName& target = next.target.host;
+    if (!there.contains(target.number)) there[target.number] = answers(next.target);
+    if (member_.hand_over(next, there[target.number], monotonic_now()))
+      spdlog::info("fleet: scene {} goes to host {}", visible(next.scene), visible(target.name));
+  }
 }
 
 void HostAgent::beat(Nanoseconds now) {
@@ -112,6 +141,8 @@ void HostAgent::beat(Nanoseconds now) {
     // A server that held the directory's end of the watches may have died, and another one answers.
     if (now - delivered_ > kDeaf) watch(now);
   }
+  if (std::exchange(kept_, record.kept) != record.kept && !record.kept.empty())
+    spdlog::warn("fleet: this host drains and keeps {}", visible(record.kept));
   if (std::exchange(silent_, silent) == silent) return;
   if (silent) {
     spdlog::warn("fleet: the directory does not answer; sessions, joins and takeovers go on");
@@ -138,6 +169,8 @@ void HostAgent::list(Nanoseconds now) {
   if (!hosts) return;
   for (const DirectoryEntry& entry : *scenes) member_.see(Bucket::scenes, entry, monotonic_now());
   for (const DirectoryEntry& entry : *hosts) member_.see(Bucket::hosts, entry, monotonic_now());
+  if (const auto wishes = directory_->list(Bucket::wishes))
+    for (const DirectoryEntry& entry : *wishes) member_.see(Bucket::wishes, entry, monotonic_now());
   member_.listed();
   next_list_ = now + kBetweenLists;
 }

@@ -22,9 +22,10 @@ struct AgentCallbacks {
 };
 
 /// The thread of a host that talks to the directory of its fleet: it announces the host, watches,
-/// claims scenes, names standbys, takes over the scenes of hosts that are gone, and changes the
-/// keys of tickets. No session and no join waits for it. While the directory does not answer it
-/// tries again and again, and scenes are still taken over.
+/// claims scenes, names standbys, takes over the scenes of hosts that are gone, hands scenes over
+/// and takes what is handed over to this host, and changes the keys of tickets. No session and no
+/// join waits for it. While the directory does not answer it tries again and again, and scenes are
+/// still taken over.
 class HostAgent {
  public:
   /// `keys`: the file of ticket_keys(), for their change; empty: they do not change.
@@ -37,6 +38,10 @@ class HostAgent {
 
   /// Starts the thread. Call it once.
   void start();
+  /// Hands all scenes over, takes no others, and returns when other hosts serve them, when no host
+  /// takes those that are left, or after `patience`. From another thread, between start() and
+  /// stop().
+  void drain(Nanoseconds patience);
   /// Waits for the thread, which may wait for an answer of the directory. May be called again.
   void stop();
 
@@ -49,6 +54,7 @@ class HostAgent {
   void list(Nanoseconds now);
   void write(Nanoseconds now);
   void ask_suspects();
+  void hand_over();
   void change_keys(Nanoseconds now);
   bool ended();
 
@@ -56,14 +62,17 @@ class HostAgent {
   FleetMember& member_;
   AgentCallbacks callbacks_;
   std::filesystem::path keys_;
-  std::unique_ptr<DirectoryWatch> hosts_, scenes_;
+  std::unique_ptr<DirectoryWatch> hosts_, scenes_, wishes_;
   Nanoseconds delivered_{0};  // when the watch of the hosts delivered something
   Nanoseconds next_beat_{0}, next_list_{0}, next_write_{0}, next_key_{0};
   bool announced_ = false;  // the next key is known to the other hosts, and does not sign yet
   bool silent_ = false;     // the directory has not answered, and the log says so
   std::mutex mutex_;
   std::condition_variable woken_;
-  bool stop_ = false;  // guarded by mutex_
+  bool stop_ = false;      // guarded by mutex_
+  bool ends_ = false;      // guarded by mutex_: drain() was called
+  bool drained_ = false;   // guarded by mutex_: since then, as FleetMember::drained()
+  std::string kept_ = {};  // that the log has said
   std::thread thread_;
 };
 

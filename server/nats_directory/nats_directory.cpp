@@ -12,8 +12,9 @@
 namespace feltwire {
 namespace {
 
-constexpr std::array<const char*, 2> kBuckets = {"feltwire_hosts", "feltwire_scenes"};  // by Bucket
-constexpr Nanoseconds kHostLifetime = std::chrono::seconds(60);
+constexpr std::array<const char*, kBucketCount> kBuckets = {"feltwire_hosts", "feltwire_scenes",
+                                                            "feltwire_wishes"};  // by Bucket
+constexpr Nanoseconds kLifetime = std::chrono::seconds(60);                      // but of scenes
 constexpr std::string_view kHexDigits = "0123456789ABCDEF";
 
 template <class T, void (*destroy)(T*)>
@@ -119,7 +120,7 @@ struct NatsDirectory::Connection {
   explicit Connection(const NatsOptions& given)
       : patience(given.patience), replicas(given.replicas), options(options_of(given)) {}
 
-  /// Connects and opens or makes both buckets; one try.
+  /// Connects and opens or makes all buckets; one try.
   natsStatus open() {
     natsStatus status = NATS_OK;
     if (!nats) {
@@ -143,9 +144,9 @@ struct NatsDirectory::Connection {
         config.Bucket = kBuckets[bucket];
         config.History = 1;
         config.Replicas = replicas;
-        const bool hosts = bucket == static_cast<std::size_t>(Bucket::hosts);
-        config.StorageType = hosts ? js_MemoryStorage : js_FileStorage;
-        if (hosts) config.TTL = kHostLifetime.count();
+        const bool lasting = bucket == static_cast<std::size_t>(Bucket::scenes);
+        config.StorageType = lasting ? js_FileStorage : js_MemoryStorage;
+        if (!lasting) config.TTL = kLifetime.count();
         status = js_CreateKeyValue(&store, js.get(), &config);
       }
       if (status != NATS_OK) return status;
@@ -194,7 +195,7 @@ struct NatsDirectory::Connection {
   Options options;
   Nats nats;  // destroyed after what uses it
   JetStream js;
-  std::array<Store, 2> stores;
+  std::array<Store, kBucketCount> stores;
 };
 
 namespace {

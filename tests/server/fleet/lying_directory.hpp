@@ -53,7 +53,7 @@ class LyingDirectory final : public Directory {
 
   Directory& truth_;
   std::mutex mutex_;
-  std::array<Contents, 2> contents_;  // by Bucket
+  std::array<Contents, kBucketCount> contents_;  // by Bucket
   std::size_t writes_ago_ = 0;
   bool held_ = false, silent_ = false;
 };

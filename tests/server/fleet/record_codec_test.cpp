@@ -31,8 +31,13 @@ HostRecord heartbeat() {
   record.hands = 211;
   record.late_p99_us = 480;
   record.draining = true;
+  record.wish = 9;
+  record.wish_refusal = "host-b drains";
+  record.kept = "room: no other host has its files";
   return record;
 }
+
+Wish wish() { return {{"host-a", 11}, 4, WishKind::move, "room", 3, {"host-b", 22}}; }
 
 TEST(RecordCodec, BytesGiveTheRecordBack) {
   EXPECT_EQ(decode_scene_record(encode(scene())), scene());
@@ -43,6 +48,25 @@ TEST(RecordCodec, BytesGiveTheRecordBack) {
   handed.handed_over = true;
   EXPECT_EQ(decode_scene_record(encode(handed)), handed);
   EXPECT_EQ(decode_host_record(encode(heartbeat())), heartbeat());
+}
+
+TEST(RecordCodec, AWishIsWholeOrNone) {
+  EXPECT_EQ(decode_wish(encode(wish())), wish());
+  const Wish drain{{"host-a", 11}, 1, WishKind::drain, {}, 0, {}};
+  EXPECT_EQ(decode_wish(encode(drain)), drain);
+  const auto refused = [](const auto& spoil) {
+    Wish spoilt = wish();
+    spoil(spoilt);
+    return decode_wish(encode(spoilt)) == std::nullopt;
+  };
+  EXPECT_FALSE(refused([](Wish&) {}));
+  EXPECT_TRUE(refused([](Wish& spoilt) { spoilt.host.number = 0; }));
+  EXPECT_TRUE(refused([](Wish& spoilt) { spoilt.serial = 0; }));
+  EXPECT_TRUE(refused([](Wish& spoilt) { spoilt.kind = static_cast<WishKind>(3); }));
+  EXPECT_TRUE(refused([](Wish& spoilt) { spoilt.scene.clear(); }));
+  EXPECT_TRUE(refused([](Wish& spoilt) { spoilt.term = 0; }));
+  EXPECT_TRUE(refused([](Wish& spoilt) { spoilt.target = {}; }));
+  EXPECT_TRUE(refused([](Wish& spoilt) { spoilt.target = spoilt.host; }));
 }
 
 TEST(RecordCodec, ARecordThatCannotBeIsNone) {
@@ -79,12 +103,14 @@ TEST(RecordCodec, ARecordThatCannotBeIsNone) {
 /// Damaged bytes are a value or none, never a fault; the sanitizers look on.
 TEST(RecordCodec, DamagedBytesHarmNothing) {
   const std::string scene_bytes = encode(scene()), host_bytes = encode(heartbeat());
+  const std::string wish_bytes = encode(wish());
   EXPECT_EQ(decode_scene_record({}), std::nullopt);
   EXPECT_EQ(decode_scene_record(std::string(kMaxRecord + 1, '\0')), std::nullopt);
-  for (const std::string& whole : {scene_bytes, host_bytes}) {
+  for (const std::string& whole : {scene_bytes, host_bytes, wish_bytes}) {
     for (std::size_t size = 0; size < whole.size(); ++size) {
       decode_scene_record(whole.substr(0, size));
       decode_host_record(whole.substr(0, size));
+      decode_wish(whole.substr(0, size));
     }
     for (std::size_t i = 0; i < whole.size(); ++i) {
       for (const char flip : {'\x01', '\x80', '\xff'}) {
@@ -94,6 +120,7 @@ TEST(RecordCodec, DamagedBytesHarmNothing) {
           EXPECT_NE(read->owner.number, 0u);
         }
         decode_host_record(damaged);
+        decode_wish(damaged);
       }
     }
   }

@@ -25,13 +25,14 @@ constexpr std::chrono::sys_seconds kDate{std::chrono::seconds(1'800'000'000)};
 /// A host with the scene "room", and its agent's work done by hand.
 struct Host {
   FleetMember member;
-  std::unique_ptr<DirectoryWatch> hosts, scenes;
+  std::unique_ptr<DirectoryWatch> hosts, scenes, wishes;
 
   Host(Directory& directory, const std::string& name, HostNumber number, std::uint16_t port)
       : member(about(name, number, port), {{"room", {}}},
                SigningKeys(paseto::SigningKey::random())),
         hosts(directory.watch(Bucket::hosts)),
-        scenes(directory.watch(Bucket::scenes)) {}
+        scenes(directory.watch(Bucket::scenes)),
+        wishes(directory.watch(Bucket::wishes)) {}
 
   static HostRecord about(const std::string& name, HostNumber number, std::uint16_t port) {
     HostRecord record;
@@ -44,6 +45,7 @@ struct Host {
   void read(Nanoseconds now) {
     while (const auto entry = hosts->next(0ns)) member.see(Bucket::hosts, *entry, now);
     while (const auto entry = scenes->next(0ns)) member.see(Bucket::scenes, *entry, now);
+    while (const auto entry = wishes->next(0ns)) member.see(Bucket::wishes, *entry, now);
   }
   void beat(Directory& directory, Nanoseconds now) {
     const HostRecord record = member.heartbeat({.hands = 1, .free_shares = {50}});
@@ -246,6 +248,154 @@ TEST_F(TwoHosts, ALaterHeartbeatShowsThatAProcessLives) {
   const auto seat = std::get<Seat>(b.ask(b.join()));
   ASSERT_EQ(seat.hosts.size(), 2u);
   EXPECT_EQ(seat.hosts[0].port, 1000);  // the former owner is the standby now
+}
+
+/// Two hosts, the first of which is asked for something.
+class Wishes : public TwoHosts {
+ protected:
+  static Wish move(std::uint64_t serial, const HostName& target = {"b", 22}) {
+    return {{"a", 11}, serial, WishKind::move, "room", 1, target};
+  }
+  static Wish drain(std::uint64_t serial, bool on = true) {
+    return {{"a", 11}, serial, on ? WishKind::drain : WishKind::undrain, {}, 0, {}};
+  }
+  void tell(const Wish& wish, Nanoseconds now = 2s) {
+    directory.put(Bucket::wishes, wish.host.name, encode(wish));
+    a.read(now);
+  }
+  HostRecord heartbeat_of_a() { return a.member.heartbeat({.hands = 1, .free_shares = {50}}); }
+  /// The one handover that A wants now.
+  FleetMember::HandOver handover(Nanoseconds now = 2s) {
+    const auto all = a.member.hand_overs(now, 7);
+    EXPECT_EQ(all.size(), 1u);
+    return all.empty() ? FleetMember::HandOver{} : all.front();
+  }
+  bool wants_none(Nanoseconds now = 2s) { return a.member.hand_overs(now, 7).empty(); }
+};
+
+TEST_F(Wishes, AHostThatDrainsHandsItsScenesOver) {
+  EXPECT_TRUE(wants_none());
+  tell(drain(1));
+  EXPECT_TRUE(a.member.take_news());
+  EXPECT_FALSE(a.member.take_news());
+  EXPECT_FALSE(a.member.drained());
+  const FleetMember::HandOver asked = handover();
+  EXPECT_EQ(asked.target.port, 2000);
+  ASSERT_TRUE(a.member.hand_over(asked, true, 2s));
+  EXPECT_EQ(code(a.ask(a.join())), RefusalCode::failed) << "no join here any more";
+  EXPECT_THAT(b.member.take_handed(), IsEmpty()) << "before it can know";
+  a.write(directory, 2s);
+  b.read(2s);
+  EXPECT_EQ(code(b.ask(b.join())), RefusalCode::failed) << "nor a redirect back";
+  EXPECT_THAT(b.member.take_handed(), ElementsAre("room"));
+  EXPECT_EQ(std::get<Seat>(b.ask(b.join({1, 11}))).epoch, (Epoch{2, 22}));
+  EXPECT_THAT(a.member.take_lost(), IsEmpty()) << "the sessions go on until the next owner is seen";
+  EXPECT_FALSE(a.member.drained());
+  b.write(directory, 2s);
+  a.read(2s);
+  EXPECT_THAT(a.member.take_lost(), ElementsAre("room"));
+  EXPECT_TRUE(a.member.drained());
+  EXPECT_EQ(std::get<Redirected>(a.ask(a.join({1, 11}))).host.port, 2000);
+  // It is no standby, and takes nothing back.
+  round(3s);
+  round(4s);
+  EXPECT_THAT(a.member.served(), IsEmpty());
+  EXPECT_EQ(decode_scene_record(directory.list(Bucket::scenes)->front().value)->standby.number, 0u);
+  // A directory that delivers the wish once more, after the opposite one, changes nothing.
+  tell(drain(2, false), 5s);
+  tell(drain(1), 5s);
+  EXPECT_FALSE(heartbeat_of_a().draining);
+  round(6s);
+  round(7s);
+  EXPECT_EQ(decode_scene_record(directory.list(Bucket::scenes)->front().value)->standby.number,
+            11u);
+}
+
+TEST_F(Wishes, AHostThatDrainsSaysWhatItKeeps) {
+  b.member.drain(false);
+  round(2s);
+  tell(drain(1));
+  EXPECT_TRUE(wants_none());
+  EXPECT_THAT(heartbeat_of_a().kept, HasSubstr("room: no other host that takes scenes has its"));
+  EXPECT_TRUE(a.member.drained()) << "as far as it can";
+  EXPECT_THAT(a.member.served(), ElementsAre("room"));
+  tell(drain(2, false));
+  EXPECT_EQ(heartbeat_of_a().kept, "");
+}
+
+TEST_F(Wishes, AWishIsForOneProcessAndOneTerm) {
+  Wish wish = move(1);
+  wish.host.number = 12;  // another process of that name
+  tell(wish);
+  EXPECT_TRUE(wants_none());
+  EXPECT_EQ(heartbeat_of_a().wish, 0u);
+  wish = move(2);
+  wish.term = 7;
+  tell(wish);
+  EXPECT_TRUE(wants_none());
+  EXPECT_EQ(heartbeat_of_a().wish, 2u);
+  EXPECT_THAT(heartbeat_of_a().wish_refusal, HasSubstr("does not serve scene room in term 7"));
+  tell(move(3));
+  EXPECT_EQ(heartbeat_of_a().wish_refusal, "");
+  EXPECT_EQ(handover().target.host, (HostName{"b", 22}));
+  EXPECT_TRUE(a.member.hand_over(handover(), true, 2s));
+}
+
+TEST_F(Wishes, AHostThatCannotTakeTheSceneIsRefused) {
+  tell(move(1, {"c", 33}));
+  EXPECT_THAT(heartbeat_of_a().wish_refusal, HasSubstr("host c gives no sign of life"));
+  SceneDigest other{};
+  other[0] = 1;
+  FleetMember stranger(Host::about("d", 44, 4000), {{"room", other}},
+                       SigningKeys(paseto::SigningKey::random()));
+  const HostRecord record = stranger.heartbeat({.hands = 0, .free_shares = {100}});
+  directory.put(Bucket::hosts, "d", encode(record));
+  a.read(2s);
+  tell(move(2, {"d", 44}));
+  EXPECT_THAT(heartbeat_of_a().wish_refusal,
+              HasSubstr("host d has no scene of that name with the"));
+  b.member.drain(false);
+  round(2s);
+  tell(move(3));
+  EXPECT_THAT(heartbeat_of_a().wish_refusal, HasSubstr("host b drains"));
+  EXPECT_TRUE(wants_none());
+}
+
+TEST_F(Wishes, ATargetWithoutAnAnswerChangesNothing) {
+  tell(move(1));
+  EXPECT_FALSE(a.member.hand_over(handover(), false, 2s));
+  EXPECT_TRUE(std::holds_alternative<Seat>(a.ask(a.join())));
+  EXPECT_THAT(heartbeat_of_a().wish_refusal, HasSubstr("host b gives no answer"));
+  EXPECT_TRUE(wants_none());
+}
+
+/// The target has died after it was asked.
+TEST_F(Wishes, ASceneThatNobodyTakesComesBack) {
+  tell(drain(1));
+  ASSERT_TRUE(a.member.hand_over(handover(), true, 2s));
+  a.write(directory, 2s);
+  EXPECT_THAT(a.member.served(), IsEmpty());
+  a.beat(directory, 2s + kTakeTime);
+  a.write(directory, 2s + kTakeTime);
+  EXPECT_THAT(a.member.served(), ElementsAre("room"));
+  EXPECT_THAT(a.member.take_lost(), IsEmpty()) << "its sessions have gone on";
+  EXPECT_EQ(std::get<Seat>(a.ask(a.join())).epoch, (Epoch{3, 11}));
+  EXPECT_THAT(heartbeat_of_a().kept, HasSubstr("room: host b has not taken it"));
+  EXPECT_TRUE(wants_none(3s + kTakeTime)) << "not at once again";
+  // Too late: the other host sees the later epoch first, or ends when it sees it.
+  b.read(5s);
+  EXPECT_THAT(b.member.take_handed(), IsEmpty());
+}
+
+/// Nothing is handed over through a directory that does not answer.
+TEST_F(Wishes, WithoutTheDirectoryAHostKeepsItsScenes) {
+  a.member.drain(true);
+  EXPECT_TRUE(wants_none(2s + kSilent));
+  EXPECT_THAT(heartbeat_of_a().kept, HasSubstr("the directory does not answer"));
+  EXPECT_TRUE(a.member.drained());
+  tell(drain(1, false));
+  EXPECT_TRUE(heartbeat_of_a().draining);
+  EXPECT_THAT(heartbeat_of_a().wish_refusal, HasSubstr("about to end"));
 }
 
 TEST(FleetMember, NothingIsClaimedBeforeTheDirectoryWasRead) {
