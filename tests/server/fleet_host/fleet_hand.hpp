@@ -35,6 +35,29 @@ class DippingDevice final : public Device {
   Nanoseconds begun_{0};
 };
 
+/// Sees every tick of a hand: the longest time without a session, and the largest step up of the
+/// force that the hand's own movement does not explain.
+class TickWatch final : public TickListener {
+ public:
+  void ticked(const TickRecord& tick, bool connected) noexcept override {
+    constexpr double kStiffness = 500.0, kLate = 0.005;  // [N/m], [s] no step between such ticks
+    if (connected) lost_at_ = tick.time;
+    if (tick.time - lost_at_ > without_session_) without_session_ = tick.time - lost_at_;
+    const double force = tick.held.norm(), elapsed = tick.time - before_.time;
+    const double moved = (tick.position - before_.position).norm();
+    const double step = force - before_.held.norm() - kStiffness * moved;
+    if (elapsed < kLate && step > step_up_) step_up_ = step;
+    before_ = tick;
+  }
+  double without_session() const { return without_session_; }  // [s]
+  double step_up() const { return step_up_; }                  // [N]
+
+ private:
+  double lost_at_ = 0.0;
+  TickRecord before_;
+  std::atomic<double> without_session_{0.0}, step_up_{0.0};
+};
+
 class FleetHand {
  public:
   static constexpr std::chrono::milliseconds kPatience{10'000};
@@ -57,6 +80,7 @@ class FleetHand {
   std::uint64_t rejoins() const { return rejoins_.load(); }
   /// The control port of the host of its newest session.
   std::uint16_t port() const { return port_.load(); }
+  const TickWatch& ticks() const { return ticks_; }
   const Epoch& first_epoch() const { return joined_.accepted.epoch; }
 
  private:
@@ -75,7 +99,7 @@ class FleetHand {
                      {.silence_timeout = silence,
                       .patience = std::chrono::seconds(60),
                       .rejoined = &sessions_},
-                     stop_, {.status = &statuses_}, result_);
+                     stop_, {.status = &statuses_, .listener = &ticks_}, result_);
     });
     attendant_ = std::thread([this] { attend(); });
   }
@@ -99,6 +123,7 @@ class FleetHand {
   }
 
   DippingDevice device_;
+  TickWatch ticks_;
   FleetRoute route_;
   Joined joined_;
   Transport transport_;

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "server/app/fleet_wishes.hpp"
 #include "server/fleet/record_codec.hpp"
 #include "server/fleet_host/open_directory.hpp"
 #include "tests/client/floor_server.hpp"
@@ -28,9 +29,10 @@ Scene named_floor(const std::string& name) {
 /// because the directory outlives the test.
 class FleetServer {
  public:
-  FleetServer(const std::string& name, const std::string& scene) : scene_(scene) {
+  FleetServer(const std::string& name, const std::string& scene)
+      : host_(scene + "-" + name), scene_(scene) {
     ServerConfig config = testing::any_ports();
-    config.fleet = "memory,name=" + scene + "-" + name + ",keys=" + (keys_ / name).string();
+    config.fleet = "memory,name=" + host_ + ",keys=" + (keys_ / name).string();
     std::vector<Scene> scenes;
     scenes.push_back(named_floor(scene));
     server_.emplace(config, std::move(scenes), test::security());
@@ -38,6 +40,7 @@ class FleetServer {
   ServerAccess access() const { return test::access(server_->control_port()); }
   std::uint16_t port() const { return server_->control_port(); }
   void stop() { server_->stop(); }
+  std::string host() const { return host_; }
 
   control::JoinRequest request() const {
     return {"tester", scene_, builtin_device("simulated"), {}};
@@ -59,7 +62,7 @@ class FleetServer {
 
  private:
   test::TemporaryFolder keys_;
-  std::string scene_;
+  std::string host_, scene_;
   std::optional<Server> server_;
 };
 
@@ -170,6 +173,77 @@ TEST(Fleet, TheHandsOfAHostThatEndsFeelAgainAtItsStandby) {
       return false;
     }
   });
+}
+
+/// The error of a wish; empty: it was met.
+template <class Work>
+std::string refusal(Work work) {
+  try {
+    work();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return {};
+}
+
+/// Hands that have gone to the host, and feel there without a step of the force.
+void expect_at(const FleetServer& host, std::initializer_list<const FleetHand*> hands) {
+  for (const FleetHand* const hand : hands) {
+    eventually("the hand has a session at the other host",
+               [&] { return hand->port() == host.port(); });
+    const auto felt = hand->felt();
+    eventually("the hand feels the floor again", [&] { return hand->felt() > felt; });
+    constexpr double kStep = 0.5;  // [N] the floor pushes with 1 N at most
+    EXPECT_LT(hand->ticks().step_up(), kStep);
+    std::printf("longest time without a session: %.0f ms\n", 1e3 * hand->ticks().without_session());
+  }
+}
+
+void await_standby(const std::string& scene) {
+  await_record(scene, "the owner names its standby",
+               [](const SceneRecord& record) { return record.standby.number != 0; });
+}
+
+TEST(Fleet, TheHandsOfAHostThatDrainsGoToAnother) {
+  Directory& directory = *memory_directory();
+  const FleetServer first("a", "drains");
+  first.joined();
+  const FleetServer second("b", "drains");
+  await_standby("drains");
+  const FleetHand one(first.access(), "drains"), two(second.access(), "drains");
+  expect_at(first, {&one, &two});
+  EXPECT_THAT(drain_host(directory, first.host()), HasSubstr("serves no scene"));
+  expect_at(second, {&one, &two});
+  EXPECT_EQ(one.losses(), 1u);
+  EXPECT_THAT(refusal([&] { drain_host(directory, first.host()); }), HasSubstr("drains already"));
+  EXPECT_THAT(refusal([&] { move_scene(directory, "drains", first.host()); }),
+              HasSubstr("drains, so it takes no scene"));
+  EXPECT_THAT(refusal([&] { drain_host(directory, second.host()); }),
+              HasSubstr("keeps drains: no other host that takes scenes has its files"));
+  undrain_host(directory, second.host());
+  undrain_host(directory, first.host());
+  EXPECT_THAT(move_scene(directory, "drains", first.host()), HasSubstr("serves scene drains now"));
+  expect_at(first, {&one, &two});
+  EXPECT_EQ(one.losses(), 2u);
+}
+
+TEST(Fleet, AWishThatCannotBeMetSaysWhy) {
+  Directory& directory = *memory_directory();
+  const FleetServer owner("a", "wishes");
+  owner.joined();
+  const FleetServer other("b", "has other scenes");
+  EXPECT_THAT(refusal([&] { drain_host(directory, "nobody"); }), HasSubstr("has no host 'nobody'"));
+  EXPECT_THAT(refusal([&] { move_scene(directory, "nothing", owner.host()); }),
+              HasSubstr("has no scene 'nothing'"));
+  EXPECT_THAT(refusal([&] { move_scene(directory, "wishes", owner.host()); }),
+              HasSubstr("already"));
+  EXPECT_THAT(refusal([&] { move_scene(directory, "wishes", other.host()); }),
+              HasSubstr("with the files of the host that serves it"));
+  EXPECT_THAT(refusal([&] { undrain_host(directory, owner.host()); }), HasSubstr("not drain"));
+  HostRecord dead;
+  dead.host = {"dead", 66};
+  directory.put(Bucket::hosts, "dead", encode(dead));
+  EXPECT_THAT(refusal([&] { move_scene(directory, "wishes", "dead"); }), HasSubstr("is silent"));
 }
 
 TEST(Fleet, AnOwnerThatHearsOfAHigherEpochEndsItsSessions) {
