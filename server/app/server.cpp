@@ -407,6 +407,10 @@ void Server::write_flight_records() {
   if (parts_->recorder != nullptr) parts_->recorder->ask_for_flight_records();
 }
 
+void Server::leave_fleet() {
+  if (parts_->fleet != nullptr) parts_->fleet->leave();
+}
+
 bool Server::stop() { return parts_->stop(); }
 
 std::vector<SceneSummary> Server::summary() const { return parts_->summary(); }

@@ -70,6 +70,10 @@ class Server {
   /// Returns at once.
   void write_flight_records();
 
+  /// Hands the scenes over to other hosts of the fleet, so that their hands go there at once.
+  /// Blocks for some seconds at most; without a fleet it does nothing.
+  void leave_fleet();
+
   /// Ends connections, says goodbye to every client, cancels loads and joins all threads. False if
   /// it had to leave a thread behind that reads a scene's file and gets no answer: then the process
   /// should end with std::_Exit. May be called again.

@@ -3,6 +3,7 @@
 #include <sodium.h>
 
 #include <algorithm>
+#include <chrono>
 #include <set>
 #include <stdexcept>
 #include <system_error>
@@ -84,6 +85,14 @@ ServerFleet::ServerFleet(const ServerConfig& config, Host host) {
                            .lost = std::move(host.lost)};
   agent_ = std::make_unique<HostAgent>(open_fleet_directory(settings), *member_,
                                        std::move(callbacks), file);
+}
+
+void ServerFleet::leave() {
+  constexpr std::chrono::seconds kHandOver{5}, kRedirect{1};
+  const std::size_t before = member_->served().size();
+  agent_->drain(kHandOver);
+  // Hands that joined before the other host was named know this one only.
+  if (member_->served().size() < before) std::this_thread::sleep_for(kRedirect);
 }
 
 }  // namespace feltwire

@@ -38,6 +38,9 @@ class ServerFleet {
   FleetMember& member() { return *member_; }
   /// From now on the host is in the fleet.
   void start() { agent_->start(); }
+  /// Hands the scenes over to hosts that take them, and redirects their hands for a moment. Blocks
+  /// for some seconds at most. Between start() and stop().
+  void leave();
   void stop() { agent_->stop(); }
 
  private:

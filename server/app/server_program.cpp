@@ -190,6 +190,7 @@ bool serve(Server& server, const sigset_t& signals, const std::string& summary, 
   spdlog::info("{}: saying goodbye", signal == SIGINT ? "interrupted" : "terminated");
   tell_service_manager("STOPPING=1");
   if (demo != nullptr) demo->end();
+  server.leave_fleet();
   const bool ended = server.stop();
   try {
     count();

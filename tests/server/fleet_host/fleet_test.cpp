@@ -40,6 +40,7 @@ class FleetServer {
   ServerAccess access() const { return test::access(server_->control_port()); }
   std::uint16_t port() const { return server_->control_port(); }
   void stop() { server_->stop(); }
+  void leave() { server_->leave_fleet(); }
   std::string host() const { return host_; }
 
   control::JoinRequest request() const {
@@ -244,6 +245,21 @@ TEST(Fleet, AWishThatCannotBeMetSaysWhy) {
   dead.host = {"dead", 66};
   directory.put(Bucket::hosts, "dead", encode(dead));
   EXPECT_THAT(refusal([&] { move_scene(directory, "wishes", "dead"); }), HasSubstr("is silent"));
+}
+
+TEST(Fleet, AHostThatEndsHandsItsScenesOver) {
+  FleetServer owner("a", "leaves");
+  owner.joined();
+  const FleetServer other("b", "leaves");
+  await_standby("leaves");
+  const FleetHand hand(owner.access(), "leaves");
+  expect_at(owner, {&hand});
+  owner.leave();
+  await_record("leaves", "the other host serves the scene",
+               [&](const SceneRecord& record) { return record.owner.name == other.host(); });
+  owner.stop();
+  expect_at(other, {&hand});
+  EXPECT_EQ(hand.losses(), 1u);
 }
 
 TEST(Fleet, AnOwnerThatHearsOfAHigherEpochEndsItsSessions) {
