@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 
 constexpr Nanoseconds kForAnswer = 10s;  // of a host that lives, to a wish
 constexpr Nanoseconds kForScenes = 30s;  // until they are at other hosts
-constexpr std::chrono::milliseconds kBetweenLooks{100};
+constexpr std::chrono::milliseconds kBetweenLists{100};
 
 std::vector<DirectoryEntry> entries_of(Directory& directory, Bucket bucket) {
   auto entries = directory.list(bucket);
@@ -41,7 +41,7 @@ bool wait_until(Nanoseconds patience, Done done) {
   const Nanoseconds end = monotonic_now() + patience;
   while (!done()) {
     if (monotonic_now() >= end) return false;
-    std::this_thread::sleep_for(kBetweenLooks);
+    std::this_thread::sleep_for(kBetweenLists);
   }
   return true;
 }
@@ -88,7 +88,7 @@ std::optional<std::uint64_t> write_wish(Directory& directory, Wish wish, std::ui
 
 /// Tells the host the wish, and waits until it has read it. The directory may lose the wish, so it
 /// is written again.
-void tell(Directory& directory, const Wish& wish) {
+void tell_host(Directory& directory, const Wish& wish) {
   const std::string who = "host " + visible(wish.host.name);
   std::optional<std::uint64_t> serial;
   Nanoseconds again{0};
@@ -138,7 +138,7 @@ std::string drain_host(Directory& directory, const std::string& name) {
   const HostRecord host = living_host(directory, name);
   const std::string who = "host " + visible(name);
   if (host.draining) throw std::runtime_error(who + " drains already; see fleet status");
-  tell(directory, {host.host, 0, WishKind::drain, {}, 0, {}});
+  tell_host(directory, {host.host, 0, WishKind::drain, {}, 0, {}});
   std::string kept;
   const bool empty = wait_until(kForScenes, [&] {
     const auto scenes = scene_records(directory);
@@ -157,7 +157,7 @@ std::string undrain_host(Directory& directory, const std::string& name) {
   const HostRecord host = living_host(directory, name);
   const std::string who = "host " + visible(name);
   if (!host.draining) throw std::runtime_error(who + " does not drain");
-  tell(directory, {host.host, 0, WishKind::undrain, {}, 0, {}});
+  tell_host(directory, {host.host, 0, WishKind::undrain, {}, 0, {}});
   return who + " takes scenes again";
 }
 
@@ -172,7 +172,8 @@ std::string move_scene(Directory& directory, const std::string& scene, const std
     throw std::runtime_error(who + " has no " + what +
                              " with the files of the host that serves it; give it the same files");
   const HostRecord owner = living_host(directory, record.owner.name);
-  tell(directory, {owner.host, 0, WishKind::move, scene, record.version.epoch.term, target.host});
+  tell_host(directory,
+            {owner.host, 0, WishKind::move, scene, record.version.epoch.term, target.host});
   SceneRecord now;
   std::string refusal;
   const bool moved = wait_until(kForAnswer, [&] {
