@@ -63,8 +63,7 @@ class FleetHand {
   static constexpr std::chrono::milliseconds kPatience{10'000};
 
   FleetHand(const ServerAccess& server, const std::string& scene)
-      : FleetHand(FleetRoute(server),
-                  {"tester", scene, DippingDevice().spec(), SessionParameters{}}) {}
+      : FleetHand(FleetRoute(server), {"tester", scene, DippingDevice().spec(), patient()}) {}
   ~FleetHand() {
     stop_.set();
     loop_.join();
@@ -84,6 +83,11 @@ class FleetHand {
   const Epoch& first_epoch() const { return joined_.accepted.epoch; }
 
  private:
+  static SessionParameters patient() {
+    SessionParameters parameters;
+    parameters.hold_time = 1.0;  // [s] longer than a busy machine delays a thread: no debt
+    return parameters;
+  }
   FleetHand(FleetRoute route, control::JoinRequest request)
       : route_(std::move(route)),
         joined_(route_.join(request, kPatience)),
