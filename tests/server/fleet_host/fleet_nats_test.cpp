@@ -43,9 +43,10 @@ class Host {
  public:
   Host(const Fleet& fleet, const std::string& name) {
     const NatsOptions options = fleet.directory.options();
-    const std::filesystem::path state = fleet.folder / name, keys = state / "fleet";
+    state_ = fleet.folder / name;
+    const std::filesystem::path keys = state_ / "fleet";
     std::filesystem::create_directories(keys);
-    for (const auto& folder : {state, keys})
+    for (const auto& folder : {state_, keys})
       std::filesystem::permissions(folder, std::filesystem::perms::owner_all);
     const auto copy = [&](const std::filesystem::path& from, const char* to) {
       std::ifstream in(from);
@@ -58,11 +59,12 @@ class Host {
     std::string servers;
     for (const std::string& server : options.servers)
       servers += (servers.empty() ? "" : ",") + server.substr(std::string("tls://").size());
+    fleet_ = "nats://" + servers + ",name=" + name;
     program_ = std::make_unique<test::Program>(
         FELTWIRE_SERVER_PROGRAM,
         std::vector<std::string>{"--scene", fleet.folder / "floor.json", "--port", "0", "--state",
-                                 state, "--tokens", fleet.folder / "tokens.json", "--log-level",
-                                 "error", "--fleet", "nats://" + servers + ",name=" + name});
+                                 state_, "--tokens", fleet.folder / "tokens.json", "--log-level",
+                                 "error", "--fleet", fleet_});
     const std::string first = program_->line(), ports = program_->line();
     const std::string_view before = "fingerprint: ";
     const auto at = ports.find("tcp ");
@@ -74,8 +76,21 @@ class Host {
   const ServerAccess& access() const { return access_; }
   std::uint16_t port() const { return access_.endpoint.port; }
   void kill() { program_->signal(SIGKILL); }
+  /// Ends it as a service manager does. Returns its exit status.
+  int terminate() {
+    program_->signal(SIGTERM);
+    return program_->finish().status;
+  }
+  /// Runs `feltwire-server fleet WORDS` with this host's directory and keys.
+  test::Outcome command(std::vector<std::string> words) const {
+    words.insert(words.begin(), "fleet");
+    words.insert(words.end(), {"--fleet", fleet_, "--state", state_});
+    return test::Program(FELTWIRE_SERVER_PROGRAM, std::move(words)).finish();
+  }
 
  private:
+  std::filesystem::path state_;
+  std::string fleet_;
   std::unique_ptr<test::Program> program_;
   ServerAccess access_;
 };
@@ -133,6 +148,44 @@ TEST(FleetOnNats, HandsFeelAgainAfterTheirHostWasKilled) {
   }
   const Host third(fleet, "c");
   EXPECT_EQ(owner_by(third.access()), second.port());
+}
+
+/// Waits until the hand feels the floor in a session at that host.
+void expect_at(const Host& host, const FleetHand& hand) {
+  eventually("the hand has a session at that host", [&] { return hand.port() == host.port(); });
+  const auto felt = hand.felt();
+  eventually("the hand feels the floor there", [&] { return hand.felt() > felt; });
+}
+
+TEST(FleetOnNats, AnOperatorMovesAndDrainsAndAHostThatEndsHandsOver) {
+  const Fleet fleet(1);
+  Host first(fleet, "a");
+  ASSERT_EQ(owner_by(first.access()), first.port());
+  const Host second(fleet, "b");
+  await_standby(first, second);
+  const FleetHand hand(second.access(), "floor");
+  expect_at(first, hand);
+
+  const test::Outcome nobody = first.command({"move", "floor", "nobody"});
+  EXPECT_EQ(nobody.status, 2);
+  EXPECT_THAT(nobody.error, ::testing::HasSubstr("nobody"));
+  EXPECT_EQ(hand.losses(), 0u);
+
+  const test::Outcome moved = first.command({"move", "floor", "b"});
+  EXPECT_EQ(moved.status, 0) << moved.error;
+  expect_at(second, hand);
+  const test::Outcome drained = first.command({"drain", "b"});
+  EXPECT_EQ(drained.status, 0) << drained.error;
+  expect_at(first, hand);
+  EXPECT_THAT(first.command({"status"}).out, ::testing::HasSubstr("drain"));
+  const test::Outcome undrained = second.command({"undrain", "b"});
+  EXPECT_EQ(undrained.status, 0) << undrained.error;
+  await_standby(first, second);
+  EXPECT_EQ(hand.losses(), 2u);
+  EXPECT_EQ(first.terminate(), 0);
+  expect_at(second, hand);
+  EXPECT_EQ(hand.losses(), 3u);
+  std::printf("longest time without a session: %.0f ms\n", 1e3 * hand.ticks().without_session());
 }
 
 TEST(FleetOnNats, WithoutTheDirectorySessionsJoinsAndTakeoversGoOn) {

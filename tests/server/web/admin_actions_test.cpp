@@ -176,8 +176,8 @@ TEST_F(AdminActionsTest, RecordingsAreToldToAdmins) {
   recorded_(runs);
   EXPECT_THAT(viewer_.take(), IsEmpty());
   io_.run();
-  EXPECT_THAT(viewer_.take(), ElementsAre(HasSubstr("\"running\":\"a.mcap\"")));
-  EXPECT_THAT(second.take(), ElementsAre(HasSubstr("\"running\":\"a.mcap\"")));
+  EXPECT_THAT(viewer_.take(), ElementsAre(HasSubstr("\"running\": \"a.mcap\"")));
+  EXPECT_THAT(second.take(), ElementsAre(HasSubstr("\"running\": \"a.mcap\"")));
   EXPECT_THAT(observer.take(), IsEmpty());
   const auto look = [&](int seconds, const control::SceneRecordings& told) {
     actions_->look_after(std::chrono::seconds(seconds));
@@ -189,7 +189,7 @@ TEST_F(AdminActionsTest, RecordingsAreToldToAdmins) {
   look(10, runs);
   EXPECT_THAT(viewer_.take(), IsEmpty());
   look(11, {"room", "", "a.mcap", 1.0});
-  EXPECT_THAT(viewer_.take(), ElementsAre(HasSubstr("\"seconds\":1")));
+  EXPECT_THAT(viewer_.take(), ElementsAre(HasSubstr("\"seconds\": 1,")));
   actions_->look_after(std::chrono::seconds(11));  // It asks once a second.
   EXPECT_FALSE(recorded_);
 }
