@@ -37,6 +37,7 @@ class Recorders(unittest.TestCase):
 
             eventually("ticks before", lambda: ticks(50))
             with hand.record(self.file) as recorder:
+                ticks(0)  # those before the recorder began, too
                 before = sum(map(len, seen))
                 eventually("force", lambda: ticks(before + 300) and seen[-1]["force"][-1][2] > 0.0 if len(seen[-1]) else ticks(0))
                 recorder.mark("pressed")

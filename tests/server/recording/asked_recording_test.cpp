@@ -146,7 +146,7 @@ TEST_F(AskedRecordingTest, KeepsTheNewestFilesOfItsScene) {
   const auto old = [&](int number, const std::string& scene) {
     std::string digits = std::to_string(number);
     digits.insert(0, 3 - digits.size(), '0');
-    return "recording-20200101T000000." + digits + "Z-" + scene + ".mcap";
+    return "recording-19690101T000000." + digits + "Z-" + scene + ".mcap";
   };
   const int many = static_cast<int>(AskedRecordingOptions::kMostFiles) + 3;
   for (int n = 0; n < many; ++n) std::ofstream(options_.folder / old(n, "plane")) << n;
