@@ -310,7 +310,7 @@ HostName FleetMember::target_of(const std::string& name, KnownScene& scene, Nano
   const std::uint64_t tag = scene_tag(name, *scene.loaded);
   const HostName& standby = scene.ownership.record.standby;
   if (standby.number != 0 && !hosts_.unfit(standby, tag, now)) return standby;
-  const HostName chosen = hosts_.choose(tag, about_.rack, 0, now, random);
+  HostName chosen = hosts_.choose(tag, about_.rack, 0, now, random);
   if (chosen.number == 0) scene.kept = "no other host that takes scenes has its files";
   return chosen;
 }
