@@ -14,11 +14,9 @@ namespace {
 
 struct Row {
   const char* label;
-  const char* pointer;    // JSON pointer into a report
-  const char* format;     // printf format of a double
-  bool optional = false;  // the value may be null; the table then shows -
+  const char* pointer;  // JSON pointer into a report
+  const char* format;   // printf format of a double
 };
-constexpr bool kOptional = true;
 
 constexpr std::array kRows = {
     Row{"position samples", "/samples", "%.0f"},
@@ -29,8 +27,8 @@ constexpr std::array kRows = {
     Row{"round trip, 99 % within [us]", "/round_trip_us/p99", "%.0f"},
     Row{"servo woke up late, median [us]", "/servo_wakeup_late_us/p50", "%.0f"},
     Row{"largest force on the hand [N]", "/max_force_n", "%.2f"},
-    Row{"oscillation in contact, RMS [um]", "/oscillation_um", "%.1f", kOptional},
-    Row{"displayed stiffness [N/m]", "/displayed_stiffness_n_per_m", "%.0f", kOptional},
+    Row{"oscillation in contact, RMS [um]", "/oscillation_um", "%.1f"},
+    Row{"displayed stiffness [N/m]", "/displayed_stiffness_n_per_m", "%.0f"},
     Row{"force off its commanded direction, mean [deg]", "/direction_error_deg/mean", "%.3f"},
     Row{"energy to the hand by contact [J] *", "/energy_delivered_j/elastic", "%.4f"},
     Row{"energy to the hand by friction [J] *", "/energy_delivered_j/frictional", "%.4f"},
@@ -71,11 +69,12 @@ nlohmann::json read_report(const std::filesystem::path& file) {
   }
 }
 
-/// Returns the number of a row in a report, as text. Throws std::runtime_error with the name of the
-/// file if the report has no such number.
+/// Returns the number of a row in a report, as text; "-" for null: the run has none, for example
+/// because the hand felt nothing. Throws std::runtime_error with the name of the file if the report
+/// has no such row.
 std::string cell(const nlohmann::json& report, const Row& row, const std::filesystem::path& file) {
   const nlohmann::json::json_pointer pointer(row.pointer);
-  if (row.optional && report.contains(pointer) && report[pointer].is_null()) return "-";
+  if (report.contains(pointer) && report[pointer].is_null()) return "-";
   if (!report.contains(pointer) || !report[pointer].is_number())
     throw std::runtime_error(file.string() + ": has no number at " + row.pointer +
                              "; is it the report of a feltwire-client?");

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 namespace feltwire::report_table_test {
 namespace {
@@ -47,6 +48,15 @@ TEST(ReportTable, CutsNoNameAndTellsFilesOfOneNameApart) {
   // Every line of the table must be as wide as its head, which has four letters of two bytes.
   const std::size_t head = table.find('\n');
   EXPECT_EQ(table.find('\n', head + 1) - head - 1, head - 4);
+}
+
+/// A hand whose session got no answer has no round trip, and felt no direction.
+TEST(ReportTable, ShowsARunThatFeltNothing) {
+  nlohmann::json nothing = nlohmann::json::parse(kReport);
+  nothing["round_trip_us"]["p50"] = nothing["direction_error_deg"]["mean"] = nullptr;
+  const std::string table = report_table({write("nothing.json", nothing.dump())});
+  EXPECT_THAT(table, ::testing::ContainsRegex("round trip, median .us. +-\n"));
+  EXPECT_THAT(table, ::testing::ContainsRegex("direction, mean .deg. +-\n"));
 }
 
 TEST(ReportTable, NamesTheFileAndTheMissingNumber) {
