@@ -46,13 +46,23 @@ bool wait_until(Nanoseconds patience, Done done) {
   return true;
 }
 
-HostRecord known_host(Directory& directory, const std::string& name) {
-  const auto hosts = host_records(directory);
-  const auto found = hosts.find(name);
-  if (found == hosts.end())
-    throw std::invalid_argument("the fleet has no host '" + visible(name) +
-                                "'; its hosts: " + names_of(hosts));
+/// Returns the record of that name. `kind`: "host" or "scene", for the error.
+template <class Record>
+Record known(const std::map<std::string, Record>& records, const std::string& kind,
+             const std::string& name) {
+  const auto found = records.find(name);
+  if (found == records.end())
+    throw std::invalid_argument("the fleet has no " + kind + " '" + visible(name) + "'; its " +
+                                kind + "s: " + names_of(records));
   return found->second;
+}
+
+HostRecord known_host(Directory& directory, const std::string& name) {
+  return known(host_records(directory), "host", name);
+}
+
+SceneRecord known_scene(Directory& directory, const std::string& name) {
+  return known(scene_records(directory), "scene", name);
 }
 
 /// Returns the host's heartbeat once another one has come.
@@ -107,15 +117,6 @@ void tell_host(Directory& directory, const Wish& wish) {
   if (!answered) throw std::runtime_error(who + " has not answered; see its log");
   if (!host.wish_refusal.empty())
     throw std::runtime_error(who + " does not do it: " + visible(host.wish_refusal));
-}
-
-SceneRecord known_scene(Directory& directory, const std::string& name) {
-  const auto scenes = scene_records(directory);
-  const auto found = scenes.find(name);
-  if (found == scenes.end())
-    throw std::invalid_argument("the fleet has no scene '" + visible(name) +
-                                "'; its scenes: " + names_of(scenes));
-  return found->second;
 }
 
 }  // namespace
