@@ -197,7 +197,7 @@ void FleetMember::name_standby(const std::string& name, KnownScene& scene, Nanos
   const HostRecord* const known = hosts_.find(standby);
   const bool drains = known != nullptr && known->draining;
   if (standby.number != 0 && !drains && !hosts_.silent(standby, now)) return;
-  const HostName chosen = hosts_.choose(tag, about_.rack, 0, now, random);
+  const HostName chosen = hosts_.choose(tag, about_.rack, now, random);
   if (chosen.number != standby.number) reserve_standby(scene.ownership, chosen);
 }
 
@@ -310,7 +310,7 @@ HostName FleetMember::target_of(const std::string& name, KnownScene& scene, Nano
   const std::uint64_t tag = scene_tag(name, *scene.loaded);
   const HostName& standby = scene.ownership.record.standby;
   if (standby.number != 0 && !hosts_.unfit(standby, tag, now)) return standby;
-  HostName chosen = hosts_.choose(tag, about_.rack, 0, now, random);
+  HostName chosen = hosts_.choose(tag, about_.rack, now, random);
   if (chosen.number == 0) scene.kept = "no other host that takes scenes has its files";
   return chosen;
 }

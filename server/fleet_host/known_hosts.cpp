@@ -98,14 +98,14 @@ std::vector<control::FleetHost> KnownHosts::others(const SceneRecord& record, bo
   return result;
 }
 
-HostName KnownHosts::choose(std::uint64_t scene, std::string_view rack, HostNumber except,
-                            Nanoseconds now, std::uint64_t random) const {
+HostName KnownHosts::choose(std::uint64_t scene, std::string_view rack, Nanoseconds now,
+                            std::uint64_t random) const {
   for (const bool other_rack : {true, false}) {
     std::vector<HostName> names;
     std::vector<HostRoom> rooms;
     for (const auto& [key, host] : hosts_) {
       const HostRecord& record = host.record;
-      if (record.host.number == except || unfit(record.host, scene, now)) continue;
+      if (unfit(record.host, scene, now)) continue;
       if (other_rack && !rack.empty() && record.rack == rack) continue;
       names.push_back(record.host);
       rooms.push_back(room_of(record));

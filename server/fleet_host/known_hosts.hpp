@@ -49,9 +49,8 @@ class KnownHosts {
   /// The hosts to ask if this one is silent: the standby, then any others.
   std::vector<control::FleetHost> others(const SceneRecord& record, bool ipv6) const;
   /// Returns a host that can serve the scene: of two that are drawn at random, the one with more
-  /// room, in another rack than `rack` if there is one. Number 0: there is none. `except`: a host
-  /// that is not to be chosen.
-  HostName choose(std::uint64_t scene, std::string_view rack, HostNumber except, Nanoseconds now,
+  /// room, in another rack than `rack` if there is one. Number 0: there is none.
+  HostName choose(std::uint64_t scene, std::string_view rack, Nanoseconds now,
                   std::uint64_t random) const;
 
  private:
