@@ -174,6 +174,8 @@ ServerAccess nobody() {
   const testing::LocalSocket closed(SOCK_STREAM);
   return test::access(closed.port());
 }
+/// The first waits that it draws are longer than zero, so that no attempt begins at once.
+constexpr std::uint64_t kSeed = 1;
 control::JoinRequest anyone() { return {"tester", "floor", builtin_device("simulated"), {}}; }
 
 void fail_each_allocation_of_the_main_thread(const char* recording) {
@@ -219,7 +221,7 @@ TEST(FaultInjection, EachAllocationOfAnAttemptToJoinFailsAndItIsTriedAgain) {
     testing::ControlPeer peer(
         control::encode(control::Refused{control::RefusalCode::full, "for this reason"}));
     Ring<SessionAddress> sessions(2);
-    Reconnector reconnector(peer.access(), anyone(), sessions, {.timeout = 10s});
+    Reconnector reconnector(peer.access(), anyone(), sessions, {.timeout = 10s, .seed = kSeed});
     failed_once.store(false);
     reconnector.look(false, Reconnector::Clock::time_point{} + 1h);  // draws the first wait
     left_of_new_threads.store(nth);
@@ -239,7 +241,7 @@ TEST(FaultInjection, EachAllocationOfAnAttemptToJoinFailsAndItIsTriedAgain) {
 
 TEST(FaultInjection, AnAttemptThatGetsNoThreadIsTriedAgain) {
   Ring<SessionAddress> sessions(2);
-  Reconnector reconnector(nobody(), anyone(), sessions);
+  Reconnector reconnector(nobody(), anyone(), sessions, {.seed = kSeed});
   Reconnector::Clock::time_point now{};
   reconnector.look(false, now);  // draws the first wait
   for (std::uint64_t n = 1; n <= 3; ++n) {

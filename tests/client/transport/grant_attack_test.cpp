@@ -125,7 +125,8 @@ TEST(LyingServer, ASessionJoinedAnewHasTheParametersOfTheOneBefore) {
   for (const auto& change : test::parameter_changes()) {
     ControlPeer peer(control::encode(offer(change.granted)));
     Ring<SessionAddress> sessions(2);
-    Reconnector reconnector(peer.access(), request(change.asked), sessions, {.timeout = 10s});
+    Reconnector reconnector(peer.access(), request(change.asked), sessions,
+                            {.timeout = 10s, .seed = 1});
     reconnector.look(false, Reconnector::Clock::time_point(1h));  // draws the first wait
     reconnector.look(false, Reconnector::Clock::time_point(2h));
     while (reconnector.asking()) {

@@ -19,13 +19,16 @@ using control::RefusalCode;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
+/// The first waits that it draws are longer than zero, so that no attempt begins at once.
+constexpr std::uint64_t kSeed = 1;
+
 control::JoinRequest anyone() { return {"tester", "floor", builtin_device("simulated"), {}}; }
 
 /// Calls the reconnector with hours between the calls until it gives up or sends a request. Returns
 /// the refusal.
 std::string given_up(const ServerAccess& access) {
   Ring<SessionAddress> sessions(2);
-  Reconnector reconnector(access, anyone(), sessions, {.timeout = 10s});
+  Reconnector reconnector(access, anyone(), sessions, {.timeout = 10s, .seed = kSeed});
   Reconnector::Clock::time_point now{};
   test::eventually("a refusal or a second attempt", [&] {
     reconnector.look(false, now += 1h);
@@ -101,7 +104,7 @@ TEST(Reconnector, AnAttemptUnderWayBringsNoSessionWithTheLawBefore) {
   for (const bool changes : {false, true}) {
     testing::ControlPeer peer(control::encode(testing::with_secrets(accepted)));
     Ring<SessionAddress> sessions(2);
-    Reconnector reconnector(peer.access(), anyone(), sessions, {.timeout = 10s});
+    Reconnector reconnector(peer.access(), anyone(), sessions, {.timeout = 10s, .seed = kSeed});
     Reconnector::Clock::time_point now{};
     reconnector.look(false, now += 1h);  // draws the wait before the first attempt
     reconnector.look(false, now += 1h);
