@@ -1,6 +1,7 @@
 #pragma once
 // How much of a scene a client fetches, whatever its server offers.
 
+#include <cstddef>
 #include <cstdint>
 
 namespace feltwire {
@@ -14,6 +15,8 @@ class FetchRoom {
   /// A tool with a body meets a mesh as a grid of distances. Each is made of up to 19 x 19 x 19
   /// bricks, which are 27 MB, however few triangles the mesh has.
   static constexpr std::uint32_t kMostGrids = 16;
+  /// [bytes] of the grids of one scene together; two of the largest. Meshes beyond it stay planes.
+  static constexpr std::size_t kMostGridBytes = std::size_t{56} << 20;
 
   /// Whether a mesh of so many fits; then it takes its place.
   bool take_surface(std::uint32_t vertices, std::uint32_t triangles) noexcept {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "client/transport/control_dialogue.hpp"
+#include "client/transport/fetch_room.hpp"
 #include "client/transport/fetched_parts.hpp"
 #include "core/prefetched_geometry/make_prefetched_tool.hpp"
 #include "core/prefetched_geometry/mesh_surfaces.hpp"
@@ -59,9 +60,9 @@ std::shared_ptr<FetchedScene> fetch(ControlDialogue& dialogue, std::uint64_t ses
   auto all = std::make_shared<FetchedScene>();
   if (offer.solids.body) {
     const std::vector<SolidData> solids = fetched_solids(dialogue, session, offer.solids);
-    for (const SolidData& solid : solids) all->objects.push_back(solid.object);
-    all->body =
-        make_prefetched_tool(offer.version, fetched_body(dialogue, session, offer.solids), solids);
+    all->body = make_prefetched_tool(offer.version, fetched_body(dialogue, session, offer.solids),
+                                     solids, FetchRoom::kMostGridBytes);
+    all->objects = all->body->objects;
     return all;
   }
   const std::vector<SurfaceData> surfaces = fetched_surfaces(dialogue, session, offer.surfaces);

@@ -89,12 +89,11 @@ void BrickSampler<Real>::place(const GridOptions& options) {
   const double bytes = entries * (sizeof(std::int32_t) + sizeof(Real));
   const auto limit = static_cast<double>(options.max_bytes);
   if (!(wanted.maxCoeff() < kMaxBricksAlong) || !(bytes < limit))
-    throw std::invalid_argument(
-        "resolution: " + shortest_text(h) + " m over an extent of " +
-        shortest_text(extent.maxCoeff()) + " m takes more than the limit of " +
-        shortest_text(limit / (1 << 20)) + " MiB; give a larger one, at least " +
-        shortest_text(
-            h * std::max(1.5 * std::cbrt(bytes / limit), wanted.maxCoeff() / kMaxBricksAlong)));
+    throw GridTooLarge("resolution: " + shortest_text(h) + " m over an extent of " +
+                       shortest_text(extent.maxCoeff()) + " m takes more than the limit of " +
+                       shortest_text(limit / (1 << 20)) + " MiB; give a larger one, at least " +
+                       shortest_text(h * std::max(1.5 * std::cbrt(bytes / limit),
+                                                  wanted.maxCoeff() / kMaxBricksAlong)));
   grid.count = wanted.cast<int>();
   grid.origin = 0.5 * (solid.low + solid.high) - 0.5 * brick * wanted + Vec3::Constant(0.5 * h);
   const auto size = static_cast<std::size_t>(entries);
@@ -124,7 +123,7 @@ void BrickSampler<Real>::choose(std::size_t max_bytes) {
                        static_cast<double>(grid.bytes());
   const auto limit = static_cast<double>(max_bytes);
   if (bytes > limit)
-    throw std::invalid_argument(
+    throw GridTooLarge(
         "resolution: " + shortest_text(grid.h) + " m takes " +
         shortest_text(std::ceil(bytes / (1 << 20))) + " MiB, more than the limit of " +
         shortest_text(limit / (1 << 20)) + " MiB; give a larger one, about " +

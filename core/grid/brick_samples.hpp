@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <stdexcept>
 #include <vector>
 
 #include "core/base/types.hpp"
@@ -29,7 +30,13 @@ struct GridOptions {
   double resolution = 1e-3;  // h [m] between samples, > 0
   double band = 0.0;  // [m] about the surface that is sampled at h; 0: one brick, 8 h; never less
   Interpolation interpolation = Interpolation::quadratic;
-  std::size_t max_bytes = std::size_t{1} << 30;  // a larger grid is refused
+  std::size_t max_bytes = std::size_t{1} << 30;  // a larger grid is refused (GridTooLarge)
+};
+
+/// The grid would take more memory than GridOptions::max_bytes.
+class GridTooLarge : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
 };
 
 /// The grid of a solid; its numbers are of type Real.

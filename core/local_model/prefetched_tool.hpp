@@ -17,10 +17,11 @@ namespace feltwire {
 
 /// Immutable. What it is made of never allocates when it is asked.
 struct PrefetchedTool {
-  std::uint32_t version = 0;  // of tool and solids together; never 0
-  ToolCoupling coupling;      // nothing in it is zero
-  double radius = 0.0;        // [m] of the tool's farthest point from its origin
-  ToolInertia inertia;        // of mass 0: it has none
+  std::uint32_t version = 0;             // of tool and solids together; never 0
+  std::vector<std::uint16_t> objects{};  // the numbers of the solids in the scene, as they came
+  ToolCoupling coupling;                 // nothing in it is zero
+  double radius = 0.0;                   // [m] of the tool's farthest point from its origin
+  ToolInertia inertia;                   // of mass 0: it has none
   std::unique_ptr<const ToolSurroundings> solids;  // never null
   std::vector<TrialWay> ways;  // on which a contact is likely to cost the most, for try_contact()
 };

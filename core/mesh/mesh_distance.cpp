@@ -48,8 +48,8 @@ double grid_resolution(const TriangleMesh& mesh) {
   return 2.0 * mesh.half_extents().maxCoeff() / kMeshGridSteps;
 }
 
-Grid grid_for_body(std::shared_ptr<const MeshSurface> surface) {
-  const GridOptions options{.resolution = grid_resolution(surface->mesh())};
+Grid grid_for_body(std::shared_ptr<const MeshSurface> surface, std::size_t max_bytes) {
+  const GridOptions options{.resolution = grid_resolution(surface->mesh()), .max_bytes = max_bytes};
   return {std::make_shared<const DistanceGrid<float>>(solid_of(std::move(surface)), options)};
 }
 

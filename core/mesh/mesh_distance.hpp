@@ -21,7 +21,8 @@ Solid solid_of(TriangleMesh mesh);
 /// along the mesh's longest side.
 inline constexpr double kMeshGridSteps = 128.0;
 double grid_resolution(const TriangleMesh& mesh);
-/// That grid. Throws as solid_of(), and as the grid itself.
-Grid grid_for_body(std::shared_ptr<const MeshSurface> surface);
+/// That grid. Throws as solid_of(), and as the grid itself: GridTooLarge beyond `max_bytes`.
+Grid grid_for_body(std::shared_ptr<const MeshSurface> surface,
+                   std::size_t max_bytes = GridOptions{}.max_bytes);
 
 }  // namespace feltwire

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -55,9 +56,18 @@ bool possible(const Shape& shape) {
   return on_primitive(shape, look, [] { return false; });
 }
 
-Shape shape_of(const SolidData& solid) {
+/// The shape that is felt; empty if it is a grid of more bytes than `grid_room`. A grid takes its
+/// bytes off the room.
+std::optional<Shape> shape_of(const SolidData& solid, std::size_t& grid_room) {
   if (solid.mesh.triangles.empty()) return solid.shape;
-  return grid_for_body(std::make_shared<const MeshSurface>(TriangleMesh(solid.mesh, 0.0)));
+  try {
+    Grid grid = grid_for_body(std::make_shared<const MeshSurface>(TriangleMesh(solid.mesh, 0.0)),
+                              grid_room);
+    grid_room -= std::min(grid_room, grid.field->bytes());
+    return grid;
+  } catch (const GridTooLarge&) {
+    return std::nullopt;
+  }
 }
 
 void check(const SolidData& solid) {
@@ -83,13 +93,20 @@ void check(const BodyData& tool) {
 
 std::shared_ptr<const PrefetchedTool> make_prefetched_tool(std::uint32_t version,
                                                            const BodyData& tool,
-                                                           const std::vector<SolidData>& solids) {
+                                                           const std::vector<SolidData>& solids,
+                                                           std::size_t grid_room) {
   check(tool);
+  std::vector<SolidData> felt;
+  std::vector<std::uint16_t> numbers;
   std::vector<Object> objects;
   for (const SolidData& solid : solids) {
     check(solid);
+    std::optional<Shape> shape = shape_of(solid, grid_room);
+    if (!shape) continue;
+    felt.push_back(solid);
+    numbers.push_back(solid.object);
     objects.push_back({.name = {},
-                       .shape = shape_of(solid),
+                       .shape = *std::move(shape),
                        .felt_from = solid.from_inside ? Side::inside : Side::outside,
                        .pose = solid.pose,
                        .material = solid.material});
@@ -99,12 +116,13 @@ std::shared_ptr<const PrefetchedTool> make_prefetched_tool(std::uint32_t version
   require_above_zero("radius", radius, "[m]");
   return std::make_shared<const PrefetchedTool>(
       PrefetchedTool{.version = version,
+                     .objects = std::move(numbers),
                      .coupling = tool.coupling,
                      .radius = radius,
                      .inertia = tool.inertia,
                      .solids = std::make_unique<const OwnSurroundings>(
                          std::move(shell), tool.contact_area, std::move(objects)),
-                     .ways = body_ways(solids, radius)});
+                     .ways = body_ways(felt, radius)});
 }
 
 }  // namespace feltwire

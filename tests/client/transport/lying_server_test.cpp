@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <utility>
 
 #include "client/app/admin_requests.hpp"
 #include "client/transport/fetch_room.hpp"
@@ -14,6 +15,7 @@
 #include "client/transport/scene_fetch.hpp"
 #include "tests/client/answering_peer.hpp"
 #include "tests/client/temporary_folder.hpp"
+#include "tests/core/heavy_geometry.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/eventually.hpp"
 
@@ -21,8 +23,10 @@ namespace feltwire::lying_server_test {
 namespace {
 
 using namespace std::chrono_literals;
+using ::testing::AllOf;
 using testing::AnsweringPeer;
 using testing::error_of;
+using ::testing::Gt;
 using ::testing::HasSubstr;
 using ::testing::Lt;
 
@@ -48,7 +52,16 @@ control::SurfaceEntry surface(std::uint16_t object, std::uint32_t vertices,
 control::SolidEntry solid(std::uint16_t object) {
   control::SolidEntry entry{.solid = {}, .vertices = 4, .triangles = 4};
   entry.solid.object = object;
+  entry.solid.material.stiffness = 1000.0;
   return entry;
+}
+
+/// The mesh of such a solid: a corner of a cube.
+control::SurfacePart tetrahedron() {
+  control::SurfacePart made;
+  made.vertices = {{0, 0, 0}, {0, 0, 0.1}, {0, 0.1, 0}, {0.1, 0, 0}};
+  made.triangles = {{0, 2, 3}, {0, 3, 1}, {0, 1, 2}, {3, 2, 1}};
+  return made;
 }
 
 /// The geometry that a server offers, and its answers to requests for parts.
@@ -66,6 +79,22 @@ struct Offer {
     return control::SurfacesTaken{kSession};
   }
 };
+
+/// Returns the peak of the heap [bytes] during `work`, minus the heap before. The test's server
+/// runs in this process.
+template <class Work>
+std::size_t taken_by(const char* name, const AnsweringPeer& peer, Work work) {
+  const std::size_t before = test::heap_held();
+  test::begin_heap_peak();
+  work();
+  const std::size_t most = test::heap_peak() - before;
+  std::printf("%-34s %6.1f MB, %zu questions\n", name, 1e-6 * static_cast<double>(most),
+              peer.questions().size());
+  return most;
+}
+
+/// [bytes] that the sampling of one grid takes besides the grid.
+constexpr std::size_t kMostOfSampling = 32'000'000;
 
 class FetchAttack : public ::testing::Test {
  protected:
@@ -165,17 +194,28 @@ TEST_F(FetchAttack, AnnouncedCountsTakeNoMemory) {
 
 /// The grid of four triangles is as large as the grid of four thousand.
 TEST_F(FetchAttack, GridsOfManySmallMeshesHaveABound) {
+  constexpr std::uint16_t kMeshes = 100;
   Offer offer;
-  offer.solids.body.emplace();
-  offer.solids.points = 5;
-  for (std::uint16_t i = 0; i < 100; ++i) offer.solids.solids.push_back(solid(i));
-  offer.part = part(4, 4);
+  BodyData ball = test::ball_of_points(50);
+  offer.points.points = std::exchange(ball.points, {});
+  offer.solids.body = ball;
+  offer.solids.points = static_cast<std::uint32_t>(offer.points.points.size());
+  for (std::uint16_t i = 0; i < kMeshes; ++i) offer.solids.solids.push_back(solid(i));
+  offer.part = tetrahedron();
   AnsweringPeer peer(offer);
-  SceneFetch fetch(peer.access(), ready_, {.timeout = 5s});
-  ask(fetch);
+  SceneFetch fetch(peer.access(), ready_, {.timeout = 5s, .clock = [] { return Nanoseconds(0); }});
+  [[maybe_unused]] const std::size_t most =
+      taken_by("grids of 100 solids", peer, [&] { ask(fetch); });
   std::set<std::uint16_t> objects;
   for (const auto& asked : peer.of_kind<control::GetSurface>()) objects.insert(asked.object);
   EXPECT_EQ(objects.size(), FetchRoom::kMostGrids);
+  const FetchedScene* fetched = nullptr;
+  ASSERT_TRUE(ready_.pop(fetched)) << fetch.refusal();
+  // Some grids fit, and the others are left out of the list that the server gets.
+  EXPECT_THAT(fetched->objects.size(), AllOf(Gt(1u), Lt(std::size_t{FetchRoom::kMostGrids})));
+#ifndef FELTWIRE_SANITIZED
+  EXPECT_LT(most, FetchRoom::kMostGridBytes + kMostOfSampling);
+#endif
 }
 
 /// The client keeps scenes that the servo does not use yet. A server that sends a new scene with
@@ -268,19 +308,6 @@ AnsweringPeer::Answer many_surfaces() {
     offer.surfaces.surfaces.push_back(surface(i, 3 * kEach, kEach));
   offer.part = part(100, 0);
   return offer;
-}
-
-/// Returns the peak of the heap [bytes] during `work`, minus the heap before. The test's server
-/// runs in this process.
-template <class Work>
-std::size_t taken_by(const char* name, const AnsweringPeer& peer, Work work) {
-  const std::size_t before = test::heap_held();
-  test::begin_heap_peak();
-  work();
-  const std::size_t most = test::heap_peak() - before;
-  std::printf("%-34s %6.1f MB, %zu questions\n", name, 1e-6 * static_cast<double>(most),
-              peer.questions().size());
-  return most;
 }
 
 TEST_F(FetchAttack, NoLieTakesMuchMoreMemoryThanAnHonestSurface) {
