@@ -438,11 +438,23 @@ TEST(Options, ADriverIsChosenByItsKind) {
   EXPECT_EQ(std::get<ClientOptions>(real).device.name, "plant=my.json");
 }
 
+/// The text that the program prints for --help or --help-all.
+std::string help(const char* option) {
+  std::string program = "feltwire-client", word = option;
+  char* words[] = {program.data(), word.data()};
+  ::testing::internal::CaptureStdout();
+  const auto asked = parse_options(2, words);
+  EXPECT_EQ(std::get<int>(asked), 0);
+  return ::testing::internal::GetCapturedStdout();
+}
+
 TEST(Options, ARoleThatIsNoneIsToldThoseThatThereAre) {
   for (const char* none : {"viewer", "admin", "follower"})
     EXPECT_THAT(
         refusal({"--role", none}),
         HasSubstr("--role must be operator, pointer or observer, is '" + std::string(none) + "'"));
+  for (const char* option : {"--help", "--help-all"})
+    EXPECT_THAT(help(option), HasSubstr("operator, pointer (a small hand) or observer")) << option;
 }
 
 TEST(Options, AValueThatWouldBeMisreadIsRefused) {
@@ -482,14 +494,6 @@ TEST(Options, NumbersOfTheDeviceMayBeTold) {
 }
 
 TEST(Options, TheHelpFitsOnAScreenAndHasAllOptionsElsewhere) {
-  const auto help = [](const char* option) {
-    std::string program = "feltwire-client", word = option;
-    char* words[] = {program.data(), word.data()};
-    ::testing::internal::CaptureStdout();
-    const auto asked = parse_options(2, words);
-    EXPECT_EQ(std::get<int>(asked), 0);
-    return ::testing::internal::GetCapturedStdout();
-  };
   const std::string brief = help("--help"), all = help("--help-all");
   test::expect_one_screen(brief);
   EXPECT_THAT(brief, AllOf(HasSubstr("--connect"), HasSubstr("identify"), HasSubstr("--help-all"),

@@ -165,6 +165,13 @@ TEST_F(FollowerProgram, ATokenIsNeverPrinted) {
   EXPECT_THAT(outcome.error, AllOf(HasSubstr("fw_..."), Not(HasSubstr("0123456789ab"))));
 }
 
+TEST_F(FollowerProgram, ATokenThatOthersMayReadIsWarnedOfUnderItsOwnName) {
+  std::filesystem::permissions(folder_ / "token", std::filesystem::perms(0644));
+  const Outcome outcome = start({"--arm", "/proc/nowhere/arm.xml"})->finish();
+  EXPECT_THAT(outcome.error, AllOf(HasSubstr("feltwire-follower: warning: --token-file"),
+                                   Not(HasSubstr("feltwire-client"))));
+}
+
 TEST_F(FollowerProgram, NamesTheFileThatIsNoRobot) {
   expect_fault({"--arm", "/proc/nowhere/arm.xml"}, "/proc/nowhere/arm.xml");
   expect_fault({"--arm", kSurroundings}, kSurroundings);

@@ -137,6 +137,7 @@ TEST(Config, OptionsAreNamedAsOnTheCommandLine) {
       {"--scene", [](auto& c) { c.scenes.resize(257, "x"); }},
       {"--port", [](auto& c) { c.port = 65535; }},  // This leaves no port for the scene.
       {"--address", [](auto& c) { c.address = "nowhere"; }},
+      {"zone", [](auto& c) { c.address = "fe80::1"; }},
       {"--silence-timeout", [](auto& c) { c.silence_timeout = 1e9; }},
       {"--dscp", [](auto& c) { c.dscp = "64"; }},
       {"--web-name", [](auto& c) { c.web_names = {"https://lab.example"}; }},

@@ -112,6 +112,21 @@ TEST(LivePage, RefusesAWrongToken) {
   EXPECT_EQ(Page(server, good_token()).text("hello")["role"], "admin");
 }
 
+TEST(LivePage, WrongTokensForATicketAreLimited) {
+  Server server(with_page(), {test::room()}, test::security());
+  const auto ask = [&](std::string_view token) {
+    test::RawSocket asked(SOCK_STREAM, page_port(server));
+    asked.send(
+        bytes("GET /ticket?scene=room HTTP/1.1\r\nHost: 127.0.0.1\r\nAuthorization: Bearer " +
+              std::string(token) + "\r\n\r\n"));
+    return rest(asked);
+  };
+  int limited = 0;
+  for (int i = 0; i < 12; ++i) limited += ask("fw_123456789012_wrong").starts_with("HTTP/1.1 429 ");
+  EXPECT_GE(limited, 1);
+  EXPECT_THAT(ask(good_token()), StartsWith("HTTP/1.1 200 "));
+}
+
 TEST(LivePage, ShowsOnlyWhatTheTokenOpens) {
   const IssuedToken narrow = issue_token("eye", "ball", Role::observer, std::nullopt);
   std::vector<Scene> scenes;
