@@ -71,7 +71,12 @@ struct Commands {
   Command most, paid;
 };
 
-void expect_no_notch(const DeviceSpec& spec, const Commands& commands, bool knows_hand) {
+/// Without a delay of the device the account has no reserve for small forces and diagonals.
+constexpr double kWithoutReserve = 0.1;
+
+/// `share`: of the force that may be missing in the deepest sample.
+void expect_no_notch(const DeviceSpec& spec, const Commands& commands, bool knows_hand,
+                     double share = 0.05) {
   const AccountConfig config =
       knows_hand ? account_config(spec, kPeriod) : any_hand_account(spec, kPeriod);
   const double wanted = length(commands.paid.force()) + length(commands.paid.torque);
@@ -83,10 +88,10 @@ void expect_no_notch(const DeviceSpec& spec, const Commands& commands, bool know
       EXPECT_GT(notch.force, 0.94 * wanted) << spec.name << ' ' << spec.actuation.late_ticks;
       EXPECT_LT(notch.force, (1.0 + 1e-9) * wanted)
           << spec.name << ' ' << spec.actuation.late_ticks;
-      EXPECT_LT(notch.deepest, 0.05) << spec.name << ' ' << spec.actuation.late_ticks << " late "
-                                     << late << ' ' << deadlines << " force " << notch.force;
-      EXPECT_LT(notch.highest, 0.05) << spec.name << ' ' << spec.actuation.late_ticks << " late "
-                                     << late << ' ' << deadlines << " force " << notch.force;
+      EXPECT_LT(notch.deepest, share) << spec.name << ' ' << spec.actuation.late_ticks << " late "
+                                      << late << ' ' << deadlines << " force " << notch.force;
+      EXPECT_LT(notch.highest, share) << spec.name << ' ' << spec.actuation.late_ticks << " late "
+                                      << late << ' ' << deadlines << " force " << notch.force;
     }
 }
 
@@ -98,12 +103,12 @@ TEST(AccountNotch, AHandThatStandsStillFeelsNoTickThatIsLate) {
     for (spec.actuation.late_ticks = 0; spec.actuation.late_ticks <= 2; ++spec.actuation.late_ticks)
       for (const Vec3& along : {Vec3(0, 0, 1), Vec3(0, -0.6, 0.8), Vec3(0.6, -0.64, 0.48)})
         for (const double force : kForces)
-          // Without a delay of the device the account has no reserve. Small forces then fall
-          // further.
-          if (force < spec.max_force &&
-              (spec.actuation.late_ticks > 0 || (force >= 1.0 && along.z() == 1.0)))
+          if (force < spec.max_force)
             expect_no_notch(spec, {{.elastic = spec.max_force * along}, {.elastic = force * along}},
-                            true);
+                            true,
+                            spec.actuation.late_ticks > 0 || (force >= 1.0 && along.z() == 1.0)
+                                ? 0.05
+                                : kWithoutReserve);
 }
 
 TEST(AccountNotch, NorDoesOneThatATorqueTurns) {
