@@ -119,6 +119,8 @@ def subcommands(programs, words):
 
 def check_program(programs, words, built_on_page, quoted):
     program = PROGRAM.match(words[0]).group(1)
+    if words[0].startswith("build/release/"):
+        yield f"'{words[0]}' has a path; the quickstart puts the programs into PATH"
     words = [program] + words[1:]
     if not quoted and program not in USUALLY_BUILT and program not in built_on_page:
         yield f"{program} is used before the page says how to build it (cmake --build ... --target {program})"

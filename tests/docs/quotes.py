@@ -11,10 +11,12 @@
       The program's --help has this default, and the page has it in the line, before the mark.
   <!-- defaults: feltwire-server -->
       Before a table: where its first column names one option, and --help has a default of it ("Default: 1.5", too), the column `default`
-      or `usual value` has the same.
+      or `usual value` has the same. With `keys` at the end, the first column names keys of an option, as --help lists them.
   <!-- defaults: core/scene_file/scene.fbs ToolBody coupling=ToolCoupling -->
       Before a table: the first column names fields of a table of a schema, and the column `default` has their defaults.
       `coupling.stiffness` is a field of the second table. With a number at the end, that column names the fields.
+  <!-- defaults: words -->
+      Before a table whose defaults are words, or numbers with a file in each row. A table with a column `default` needs one of these marks.
 """
 
 import re
@@ -162,6 +164,8 @@ class Marks:
             fenced ^= line.strip().startswith("```")
             if fenced:
                 continue
+            if line.startswith("|") and "default" in cells(line) and not re.match(r"<!-- defaults: ", lines[number - 2]):
+                yield number, "this table has defaults and no mark `defaults` before it (tests/docs/quotes.py)"
             for mark in MARK.finditer(line):
                 kind, what = mark.groups()
                 before = line[:mark.start()]
@@ -189,6 +193,10 @@ class Marks:
         if head is None:
             yield number, "neither a code block nor a table stands below the mark"
             return
+        if kind == "defaults" and what == "words":
+            return
+        keys = kind == "defaults" and what.endswith(" keys")
+        what = what.removesuffix(" keys")
         if kind == "defaults" and ".fbs" in what:
             end = next((at for at in range(below, len(lines)) if not lines[at].startswith("|")), len(lines))
             yield from self.check_schema([(at + 1, cells(lines[at])) for at in range(below, end) if at != below + 1], what)
@@ -205,7 +213,7 @@ class Marks:
                     if len(words_of(quote)) > 1 and (wrong := self.missing(quote, what)):
                         yield at + 1, wrong
                 continue
-            options = re.findall(r"(--[a-z][\w-]*)", row[0])
+            options = spans(row[0])[:1] if keys else re.findall(r"(--[a-z][\w-]*)", row[0])
             value = self.default(what, options[0]) if len(options) == 1 else None
             if value is not None:
                 self.count += 1
