@@ -25,7 +25,8 @@ std::shared_ptr<Directory> open_nats_directory(const NatsOptions& options) {
     const char* const why = ::dlerror();
     throw std::runtime_error(std::string("--fleet nats://: ") +
                              (why != nullptr ? why : module.c_str()) +
-                             "; build it with libnats-dev and install its component fleet");
+                             "; install the package feltwire-fleet, or build with libnats-dev and "
+                             "install the component fleet");
   }
   using Open = Directory* (*)(const NatsOptions*);
   auto* const open = reinterpret_cast<Open>(::dlsym(loaded, "feltwire_open_nats_directory"));

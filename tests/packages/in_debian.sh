@@ -38,5 +38,6 @@ for program in /usr/bin/feltwire-*; do
 done
 # MuJoCo's reader is found, too.
 feltwire-server --explain /usr/share/feltwire/scenes/arm/workcell.json >/dev/null
+[ "$(ldd /usr/lib/feltwire/feltwire-nats.so | grep -c 'not found')" = 0 ] || failed "feltwire-fleet lacks a library"
 systemd-analyze --man=no verify /lib/systemd/system/feltwire-server.service feltwire-server@room.service
 python3 "$here/ten_lines.py"
