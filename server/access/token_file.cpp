@@ -17,35 +17,61 @@ Tokens read_tokens(const std::filesystem::path& file) {
 
 }  // namespace
 
-TokenFile::TokenFile(std::filesystem::path file)
-    // Take the stamp before the tokens are read, so that refresh() notices every later write.
-    : file_(std::move(file)), read_(stamp()), tokens_(read_tokens(file_)) {}
+TokenFile::TokenFile(std::filesystem::path file, std::filesystem::path more) {
+  // Take the stamp before the tokens are read, so that refresh() notices every later write.
+  const Stamp stamp = stamp_of(file);
+  Tokens tokens = read_tokens(file);
+  parts_.push_back({std::move(file), stamp, {}, std::move(tokens)});
+  if (!more.empty()) {
+    const Stamp there = stamp_of(more);
+    Tokens others = there == Stamp{} ? Tokens{} : read_tokens(more);
+    parts_.push_back({std::move(more), there, {}, std::move(others)});
+  }
+  gather();
+}
 
 std::optional<std::string> TokenFile::refresh() {
-  if (file_.empty()) return std::nullopt;
-  const Stamp now = stamp();
-  if (now == read_) return std::nullopt;
+  std::optional<std::string> wrong;
+  bool changed = false;
+  for (Part& part : parts_) {
+    const Stamp now = stamp_of(part.file);
+    if (now == part.read) continue;
+    changed = true;
+    if (auto error = refresh(part, now)) wrong = std::move(error);
+  }
+  if (changed) gather();
+  return wrong;
+}
+
+std::optional<std::string> TokenFile::refresh(Part& part, const Stamp& now) {
   bool whole = false;
   try {
-    if (const auto open = exposure(file_)) throw FileError(*open);
-    const std::string text = read_text(file_);
+    if (const auto open = exposure(part.file)) throw FileError(*open);
+    const std::string text = read_text(part.file);
     whole = true;
-    tokens_ = parse_tokens(text, file_.string());
-    read_ = now;
-    said_.clear();
+    part.tokens = parse_tokens(text, part.file.string());
+    part.read = now;
+    part.said.clear();
     return std::nullopt;
   } catch (const FileError& error) {
     // Do not read a wrong text again until the file changes. Try again if the file could not be
     // read, because the cause may be temporary (for example, no free descriptor).
-    if (whole) read_ = now;
-    if (said_ == error.what()) return std::nullopt;
-    return said_ = error.what();
+    if (whole) part.read = now;
+    if (part.said == error.what()) return std::nullopt;
+    return part.said = error.what();
   }
 }
 
-TokenFile::Stamp TokenFile::stamp() const {
+void TokenFile::gather() {
+  tokens_.clear();
+  for (const Part& part : parts_)
+    for (const Token& token : part.tokens)
+      if (find_token(tokens_, token.id) == nullptr) tokens_.push_back(token);
+}
+
+TokenFile::Stamp TokenFile::stamp_of(const std::filesystem::path& file) {
   struct stat status {};
-  if (::stat(file_.c_str(), &status) != 0) return {};
+  if (::stat(file.c_str(), &status) != 0) return {};
   return {status.st_ino, status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec,
           status.st_mode};
 }

@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "server/access/tokens.hpp"
 
@@ -15,12 +16,13 @@ namespace feltwire {
 /// The tokens of a running server.
 class TokenFile {
  public:
-  /// Reads the file. Throws FileError.
-  explicit TokenFile(std::filesystem::path file);
+  /// Reads the file. Tokens of the file `more` count, too; it may be missing, and come later. Of
+  /// two tokens with one id that of `file` counts. Throws FileError.
+  explicit TokenFile(std::filesystem::path file, std::filesystem::path more = {});
   /// Tokens without a file, which never change.
   explicit TokenFile(Tokens tokens) : tokens_(std::move(tokens)) {}
 
-  /// Reads the file again if it has changed. If it cannot be used, the tokens stay, and the error
+  /// Reads each file again that has changed. If one cannot be used, its tokens stay, and the error
   /// is returned, once. A file that could not be read to its end is tried again with the next call.
   std::optional<std::string> refresh();
 
@@ -35,12 +37,18 @@ class TokenFile {
     mode_t mode = 0;  // the mode decides whether the file is read
     friend bool operator==(const Stamp&, const Stamp&) = default;
   };
-  Stamp stamp() const;
+  static Stamp stamp_of(const std::filesystem::path& file);
+  struct Part {
+    std::filesystem::path file;
+    Stamp read;        // of the newest text that was read
+    std::string said;  // the last error; empty: there is none
+    Tokens tokens;
+  };
+  static std::optional<std::string> refresh(Part& part, const Stamp& now);
+  void gather();
 
-  std::filesystem::path file_;
-  Stamp read_;        // of the newest text that was read
-  std::string said_;  // the last error; empty: there is none
-  Tokens tokens_;
+  std::vector<Part> parts_;
+  Tokens tokens_;  // of all parts
 };
 
 /// Reads the file (missing: no tokens), calls `change` and writes the result back, while no other

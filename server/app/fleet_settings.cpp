@@ -99,6 +99,11 @@ FleetSettings fleet_settings(const ServerConfig& config) {
   return settings;
 }
 
+std::filesystem::path fleet_token_file(const ServerConfig& config) {
+  if (config.fleet.empty()) return {};
+  return fleet_settings(config).keys / "tokens.json";
+}
+
 std::shared_ptr<Directory> open_fleet_directory(const FleetSettings& settings) {
   if (settings.servers.empty()) return memory_directory();
   NatsOptions options;

@@ -12,6 +12,7 @@
 #include "core/base/visible_text.hpp"
 #include "protocol/net/post.hpp"
 #include "server/access/admin_token.hpp"
+#include "server/app/fleet_settings.hpp"
 #include "server/app/page_address.hpp"
 #include "server/app/part_options.hpp"
 #include "server/app/prometheus_metrics.hpp"
@@ -34,18 +35,16 @@ std::vector<Scene> load_scenes(const ServerConfig& config) {
   return scenes;
 }
 
-/// Loads the certificate and the tokens. If there is a live page, adds a token for the link that
-/// opens it as an admin on this machine.
+/// Loads the certificate and the tokens, also those of the fleet. If there is a live page, adds a
+/// token for the link that opens it as an admin on this machine.
 Security security_of(const ServerConfig& config) {
   Security security = open_security(config);
-  if (config.web.empty() || !config.tokens.empty()) return security;
-  try {
-    make_admin_token(config);
-  } catch (const FileError& error) {
-    spdlog::warn("there is no link to the page for an admin: {}", visible(error.what()));
-    return security;
-  }
-  security.tokens = TokenFile(token_file(config));
+  if (!config.web.empty() && config.tokens.empty()) try {
+      make_admin_token(config);
+    } catch (const FileError& error) {
+      spdlog::warn("there is no link to the page for an admin: {}", visible(error.what()));
+    }
+  security.tokens = TokenFile(token_file(config), fleet_token_file(config));
   return security;
 }
 
@@ -134,8 +133,10 @@ struct Server::Parts {
     const auto lost = [this](const std::vector<std::string>& names) {
       asio::post(io, [this, names] { service.end_sessions(names); });
     };
+    const auto tokens = [this] { asio::post(io, [this] { service.look_after(); }); };
     fleet = std::make_unique<ServerFleet>(
-        config, ServerFleet::Host{control->port(), fingerprint, hosts, std::move(loaded), lost});
+        config,
+        ServerFleet::Host{control->port(), fingerprint, hosts, std::move(loaded), lost, tokens});
     service.join_fleet(fleet->member());
   }
 

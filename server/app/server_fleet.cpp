@@ -82,9 +82,11 @@ ServerFleet::ServerFleet(const ServerConfig& config, Host host) {
   about.rack = settings.rack;
   member_ = std::make_unique<FleetMember>(std::move(about), host.loaded, signing);
   AgentCallbacks callbacks{.load = [&scenes = host.scenes] { return load_of(scenes); },
-                           .lost = std::move(host.lost)};
-  agent_ = std::make_unique<HostAgent>(open_fleet_directory(settings), *member_,
-                                       std::move(callbacks), file);
+                           .lost = std::move(host.lost),
+                           .tokens = std::move(host.tokens)};
+  agent_ =
+      std::make_unique<HostAgent>(open_fleet_directory(settings), *member_, std::move(callbacks),
+                                  AgentFiles{.keys = file, .tokens = fleet_token_file(config)});
 }
 
 void ServerFleet::leave() {

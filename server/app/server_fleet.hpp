@@ -29,6 +29,8 @@ class ServerFleet {
     std::vector<LoadedFleetScene> loaded;
     /// Called on the agent's thread: other hosts serve these scenes now.
     std::function<void(std::vector<std::string> scenes)> lost;
+    /// Called on the agent's thread: the file of the fleet's tokens has changed.
+    std::function<void()> tokens;
   };
 
   /// Reads the keys and connects to the directory. Throws FileError, std::invalid_argument or

@@ -9,9 +9,11 @@
 #include "core/base/visible_text.hpp"
 #include "server/access/json_text.hpp"
 #include "server/access/security.hpp"
+#include "server/app/fleet_settings.hpp"
 #include "server/app/known_scenes.hpp"
 #include "server/app/server_config.hpp"
 #include "server/app/subcommand.hpp"
+#include "server/app/token_places.hpp"
 
 namespace feltwire {
 namespace {
@@ -22,26 +24,27 @@ Examples:
       prints the token only once; send it to its holder over a secure channel
   feltwire-server token list
   feltwire-server token revoke 0123456789ab
-      a running server ends the sessions of this token within a second)";
+      a running server ends the sessions of this token within a second
+  feltwire-server token revoke 0123456789ab --fleet nats://n1:4222,n2:4222,n3:4222
+      so does every host of the fleet)";
 
 struct TokenArguments {
   std::string client, scene = "*", role, expires, id, out, seat;
   double lead_share = 0.0;
 };
 
-void add(const ServerConfig& config, const TokenArguments& words) {
+void add(const ServerConfig& config, const TokenPlace& place, const TokenArguments& words) {
   const IssuedToken issued =
       issue_token(words.client, words.scene, role(words.role),
                   parse_expiry(words.expires, calendar_now()), words.lead_share, words.seat);
   const std::string_view text = issued.text.text();
-  make_state_folder(config);
   if (const auto warning = unknown_scene(words.scene, known_scenes(config)))
     std::fprintf(stderr, "feltwire-server token: warning: %s\n", visible(*warning).c_str());
   // With --out, write the text of the token before the token is stored: the text exists nowhere
   // else and cannot be recovered.
   std::optional<PendingFile> out;
   if (!words.out.empty()) out.emplace(words.out, text, kPrivate);
-  change_tokens(token_file(config), [&](Tokens& tokens) { tokens.push_back(issued.token); });
+  place.add(issued.token);
   if (!out) {
     std::printf("%.*s\n", static_cast<int>(text.size()), text.data());
     return;
@@ -49,9 +52,7 @@ void add(const ServerConfig& config, const TokenArguments& words) {
   try {
     out->put_in_place();
   } catch (const std::exception&) {
-    change_tokens(token_file(config), [&](Tokens& tokens) {
-      std::erase_if(tokens, [&](const Token& token) { return token.id == issued.token.id; });
-    });
+    place.revoke(issued.token.id);
     throw;
   }
 }
@@ -59,11 +60,10 @@ void add(const ServerConfig& config, const TokenArguments& words) {
 /// Returns the lead share as text, or "alone" if the hand leads a robot alone.
 std::string lead_text(double share) { return share > 0.0 ? json_text::number(share) : "alone"; }
 
-void list(const ServerConfig& config) {
-  const TokenFile file(token_file(config));
+void list(const TokenPlace& place) {
   std::printf("%-12s  %-8s  %-23s  %-20s  %-6s  %s\n", "id", "role", "expires", "client", "lead",
               "scene");
-  for (const Token& token : file.tokens())
+  for (const Token& token : place.list())
     std::printf("%-12s  %-8s  %-23s  %-20s  %-6s  %s%s%s\n", token.id.c_str(),
                 name(token.role).data(), expiry_text(token.expires).c_str(),
                 visible(token.client).c_str(), lead_text(token.lead_share).c_str(),
@@ -72,13 +72,10 @@ void list(const ServerConfig& config) {
                 expired(token, calendar_now()) ? "  (expired)" : "");
 }
 
-void revoke(const ServerConfig& config, const TokenArguments& words) {
-  change_tokens(token_file(config), [&](Tokens& tokens) {
-    if (std::erase_if(tokens, [&](const Token& token) { return token.id == words.id; }) == 0)
-      throw std::invalid_argument("there is no token " + words.id + " in " +
-                                  token_file(config).string() +
-                                  "; feltwire-server token list shows which there are");
-  });
+void revoke(const TokenPlace& place, const TokenArguments& words) {
+  if (!place.revoke(words.id))
+    throw std::invalid_argument("there is no token " + words.id + " in " + place.name +
+                                "; feltwire-server token list shows which there are");
 }
 
 /// Adds the options that say where the tokens are. The server has the same options.
@@ -88,6 +85,8 @@ void add_place(CLI::App& command, std::string& config, ServerConfig& given) {
       ->envname("FELTWIRE_SERVER_STATE");
   command.add_option("--tokens", given.tokens, "Token file of the server")
       ->envname("FELTWIRE_SERVER_TOKENS");
+  command.add_option("--fleet", given.fleet,
+                     "Directory of a fleet, as the servers' --fleet: the tokens of all its hosts");
 }
 
 }  // namespace
@@ -131,9 +130,14 @@ int token_command(int argc, char** argv) {
     ServerConfig config = config_file.empty() ? given : load_config(config_file);
     if (!given.state.empty()) config.state = given.state;
     if (!given.tokens.empty()) config.tokens = given.tokens;
-    if (adding->parsed()) add(config, words);
-    if (listing->parsed()) list(config);
-    if (revoking->parsed()) revoke(config, words);
+    if (!given.fleet.empty()) config.fleet = given.fleet;
+    const TokenPlace place = given.fleet.empty()
+                                 ? file_of_tokens(config)
+                                 : fleet_of_tokens(open_fleet_directory(fleet_settings(config)));
+    if (adding->parsed() && given.fleet.empty()) make_state_folder(config);
+    if (adding->parsed()) add(config, place, words);
+    if (listing->parsed()) list(place);
+    if (revoking->parsed()) revoke(place, words);
   });
 }
 

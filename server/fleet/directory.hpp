@@ -1,5 +1,5 @@
 #pragma once
-// The directory of a fleet: three buckets of small values that all hosts watch.
+// The directory of a fleet: four buckets of small values that all hosts watch.
 //
 // It decides nothing. A directory may lose what it has acknowledged and may answer late or twice;
 // the rules of ownership.hpp hold with all of that. So there is no get: a read after a write need
@@ -21,8 +21,9 @@ enum class Bucket {
   hosts,   // by the host's name, its heartbeat; only this host writes it
   scenes,  // by the scene's name, its record; hosts write it
   wishes,  // by the host's name, a wish to it; only `feltwire-server fleet` writes it
+  tokens,  // by the token's id, what a host keeps of it; `feltwire-server token` and hosts write it
 };
-inline constexpr std::size_t kBucketCount = 3;
+inline constexpr std::size_t kBucketCount = 4;
 
 /// The newest value of a key.
 struct DirectoryEntry {

@@ -110,6 +110,8 @@ void FleetMember::see(Bucket bucket, const DirectoryEntry& entry, Nanoseconds no
       return see_scene(entry);
     case Bucket::wishes:
       return see_wish(entry, now);
+    case Bucket::tokens:  // of FleetTokens
+      return;
   }
 }
 

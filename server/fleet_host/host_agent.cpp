@@ -24,10 +24,13 @@ constexpr Nanoseconds kBetweenLists = 30s;  // a watch may miss a change
 constexpr Nanoseconds kDeaf = 2 * kBeat;    // of a watch that does not deliver our own heartbeats
 static_assert(kDeaf < kSilent, "the others would be taken for silent");
 constexpr Nanoseconds kWriteAgain = 1s;  // after a write without an answer
+constexpr Nanoseconds kSaveAgain = 10s;  // after a file that could not be written
 constexpr Nanoseconds kKeyLife = 24h;    // of the key that signs
 constexpr Nanoseconds kAnnounced = 60s;  // until all hosts know the next key
 constexpr std::chrono::milliseconds kProbe{500};
 constexpr int kProbes = 2;  // without an answer: the host is gone
+constexpr std::array kBuckets = {Bucket::scenes, Bucket::hosts, Bucket::wishes, Bucket::tokens};
+static_assert(kBuckets.size() == kBucketCount);
 
 bool answers(const FleetMember::Suspect& suspect) {
   if (suspect.port == 0) return false;
@@ -42,11 +45,12 @@ bool answers(const FleetMember::Suspect& suspect) {
 }  // namespace
 
 HostAgent::HostAgent(std::shared_ptr<Directory> directory, FleetMember& member,
-                     AgentCallbacks callbacks, std::filesystem::path keys)
+                     AgentCallbacks callbacks, const AgentFiles& files)
     : directory_(std::move(directory)),
       member_(member),
       callbacks_(std::move(callbacks)),
-      keys_(std::move(keys)) {}
+      keys_(files.keys),
+      tokens_(files.tokens.empty() ? nullptr : std::make_unique<FleetTokens>(files.tokens)) {}
 
 HostAgent::~HostAgent() { stop(); }
 
@@ -57,9 +61,8 @@ void HostAgent::start() {
 }
 
 void HostAgent::watch(Nanoseconds now) {
-  hosts_ = directory_->watch(Bucket::hosts);
-  scenes_ = directory_->watch(Bucket::scenes);
-  wishes_ = directory_->watch(Bucket::wishes);
+  for (const Bucket bucket : kBuckets)
+    watches_[static_cast<std::size_t>(bucket)] = directory_->watch(bucket);
   delivered_ = now;
 }
 
@@ -96,14 +99,16 @@ void HostAgent::run() {
 /// the calls: a takeover waits for one call at most.
 void HostAgent::look(Nanoseconds now) {
   ask_suspects();
-  read(Bucket::hosts, *hosts_);
-  read(Bucket::scenes, *scenes_);
+  read(Bucket::hosts);
+  read(Bucket::scenes);
   if (auto lost = member_.take_lost(); !lost.empty()) {
     for (const std::string& scene : lost)
       spdlog::warn("fleet: another host serves scene {} now", visible(scene));
     callbacks_.lost(std::move(lost));
   }
-  read(Bucket::wishes, *wishes_);
+  read(Bucket::tokens);
+  save_tokens(now);
+  read(Bucket::wishes);
   for (const std::string& scene : member_.take_handed())
     spdlog::info("fleet: this host serves scene {} from now on; its owner has handed it over",
                  visible(scene));
@@ -151,13 +156,22 @@ void HostAgent::beat(Nanoseconds now) {
   }
 }
 
-void HostAgent::read(Bucket bucket, DirectoryWatch& watch) {
+void HostAgent::read(Bucket bucket) {
   constexpr int kMost = 10'000;  // in one round
+  DirectoryWatch& watch = *watches_[static_cast<std::size_t>(bucket)];
   for (int i = 0; i < kMost; ++i) {
     const auto entry = watch.next(kWatchPatience);
     if (!entry) return;
     if (bucket == Bucket::hosts) delivered_ = monotonic_now();
-    member_.see(bucket, *entry, monotonic_now());
+    see(bucket, *entry);
+  }
+}
+
+void HostAgent::see(Bucket bucket, const DirectoryEntry& entry) {
+  if (bucket == Bucket::tokens) {
+    if (tokens_ != nullptr) tokens_->see(entry);
+  } else {
+    member_.see(bucket, entry, monotonic_now());
   }
 }
 
@@ -167,12 +181,40 @@ void HostAgent::list(Nanoseconds now) {
   if (!scenes) return;
   const auto hosts = directory_->list(Bucket::hosts);
   if (!hosts) return;
-  for (const DirectoryEntry& entry : *scenes) member_.see(Bucket::scenes, entry, monotonic_now());
-  for (const DirectoryEntry& entry : *hosts) member_.see(Bucket::hosts, entry, monotonic_now());
-  if (const auto wishes = directory_->list(Bucket::wishes))
-    for (const DirectoryEntry& entry : *wishes) member_.see(Bucket::wishes, entry, monotonic_now());
+  see_all(Bucket::scenes, *scenes);
+  see_all(Bucket::hosts, *hosts);
   member_.listed();
   next_list_ = now + kBetweenLists;
+  ask_suspects();
+  if (const auto wishes = directory_->list(Bucket::wishes)) see_all(Bucket::wishes, *wishes);
+  if (tokens_ == nullptr) return;
+  ask_suspects();
+  const auto tokens = directory_->list(Bucket::tokens);
+  if (!tokens) return;
+  see_all(Bucket::tokens, *tokens);
+  write_tokens(*tokens);
+}
+
+void HostAgent::see_all(Bucket bucket, const std::vector<DirectoryEntry>& entries) {
+  for (const DirectoryEntry& entry : entries) see(bucket, entry);
+}
+
+/// Gives the directory the tokens, and the revocations, that it has lost.
+void HostAgent::write_tokens(const std::vector<DirectoryEntry>& listed) {
+  for (const FleetTokens::Write& write : tokens_->missing(listed)) {
+    const WriteAnswer answer =
+        directory_->compare_and_swap(Bucket::tokens, write.key, write.value, write.revision);
+    ask_suspects();
+    if (answer.result == WriteResult::unknown) return;  // the next list shows what it has
+  }
+}
+
+void HostAgent::save_tokens(Nanoseconds now) {
+  if (tokens_ == nullptr || !tokens_->changed() || now < next_save_) return;
+  next_save_ = now + kSaveAgain;  // if it fails
+  tokens_->save();
+  next_save_ = Nanoseconds(0);
+  callbacks_.tokens();
 }
 
 void HostAgent::write(Nanoseconds now) {

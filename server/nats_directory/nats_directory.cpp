@@ -12,8 +12,8 @@
 namespace feltwire {
 namespace {
 
-constexpr std::array<const char*, kBucketCount> kBuckets = {"feltwire_hosts", "feltwire_scenes",
-                                                            "feltwire_wishes"};  // by Bucket
+constexpr std::array<const char*, kBucketCount> kBuckets = {
+    "feltwire_hosts", "feltwire_scenes", "feltwire_wishes", "feltwire_tokens"};  // by Bucket
 constexpr Nanoseconds kLifetime = std::chrono::seconds(60);                      // but of scenes
 constexpr std::string_view kHexDigits = "0123456789ABCDEF";
 
@@ -144,7 +144,8 @@ struct NatsDirectory::Connection {
         config.Bucket = kBuckets[bucket];
         config.History = 1;
         config.Replicas = replicas;
-        const bool lasting = bucket == static_cast<std::size_t>(Bucket::scenes);
+        const bool lasting = bucket == static_cast<std::size_t>(Bucket::scenes) ||
+                             bucket == static_cast<std::size_t>(Bucket::tokens);
         config.StorageType = lasting ? js_FileStorage : js_MemoryStorage;
         if (!lasting) config.TTL = kLifetime.count();
         status = js_CreateKeyValue(&store, js.get(), &config);

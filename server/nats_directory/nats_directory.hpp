@@ -10,7 +10,8 @@
 namespace feltwire {
 
 /// A directory in the JetStream key-value buckets `feltwire_hosts` and `feltwire_wishes` (in
-/// memory; a key disappears silently 60 s after its last write) and `feltwire_scenes` (in files).
+/// memory; a key disappears silently 60 s after its last write), `feltwire_scenes` and
+/// `feltwire_tokens` (in files).
 /// The first host makes them. An answer to a write says that a majority of the servers has it;
 /// whether it outlives the power of all of them is a matter of their option sync_interval
 /// (docs/fleet.md).

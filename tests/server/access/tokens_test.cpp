@@ -209,6 +209,33 @@ TEST(TokenFile, ABadOneChangesNothing) {
   EXPECT_EQ(text_of(path), json({}));
 }
 
+/// The file of a fleet's tokens: it comes later, and a fault of it leaves the others alone.
+TEST(TokenFile, TokensOfAnotherFileCountToo) {
+  const TemporaryFolder folder;
+  const auto path = folder / "tokens.json", more = folder / "more.json";
+  const Token own = issue().token, other = issue().token;
+  replace_file(path, json({own}), kPrivate);
+  TokenFile file(path, more);
+  EXPECT_EQ(file.refresh(), std::nullopt);
+  EXPECT_EQ(file.tokens().size(), 1u);
+  Token same = other;
+  same.id = own.id;
+  replace_file(more, json({other, same}), kPrivate);
+  EXPECT_EQ(file.refresh(), std::nullopt);
+  ASSERT_EQ(file.tokens().size(), 2u);
+  EXPECT_EQ(find_token(file.tokens(), own.id)->hash, own.hash);
+  EXPECT_EQ(TokenFile(path, more).tokens().size(), 2u);
+  replace_file(path, json({}), kPrivate);
+  replace_file(more, "broken", kPrivate);
+  const auto wrong = file.refresh();
+  ASSERT_TRUE(wrong.has_value());
+  EXPECT_THAT(*wrong, HasSubstr("more.json"));
+  EXPECT_NE(find_token(file.tokens(), other.id), nullptr);
+  std::filesystem::remove(more);
+  EXPECT_TRUE(file.refresh().has_value());
+  EXPECT_NE(find_token(file.tokens(), other.id), nullptr);
+}
+
 /// A token is revoked while no descriptor is free. It must become invalid when a descriptor is
 /// free.
 TEST(TokenFile, IsReadAgainWhenItCouldNotBeReadOnce) {

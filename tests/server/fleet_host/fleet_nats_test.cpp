@@ -11,6 +11,7 @@
 #include "tests/server/nats_directory/nats_servers.hpp"
 #include "tests/support/eventually.hpp"
 #include "tests/support/security.hpp"
+#include "tests/support/text_of.hpp"
 
 namespace feltwire::fleet_nats_test {
 namespace {
@@ -84,6 +85,10 @@ class Host {
   /// Runs `feltwire-server fleet WORDS` with this host's directory and keys.
   test::Outcome command(std::vector<std::string> words) const {
     words.insert(words.begin(), "fleet");
+    return run(std::move(words));
+  }
+  /// As command(), of any subcommand.
+  test::Outcome run(std::vector<std::string> words) const {
     words.insert(words.end(), {"--fleet", fleet_, "--state", state_});
     return test::Program(FELTWIRE_SERVER_PROGRAM, std::move(words)).finish();
   }
@@ -186,6 +191,47 @@ TEST(FleetOnNats, AnOperatorMovesAndDrainsAndAHostThatEndsHandsOver) {
   expect_at(second, hand);
   EXPECT_EQ(hand.losses(), 3u);
   std::printf("longest time without a session: %.0f ms\n", 1e3 * hand.ticks().without_session());
+}
+
+TEST(FleetOnNats, ATokenOfTheFleetCountsAtEveryHostUntilItIsRevoked) {
+  Fleet fleet(1);
+  const Host first(fleet, "a");
+  ASSERT_EQ(owner_by(first.access()), first.port());
+  const Host second(fleet, "b");
+  await_standby(first, second);
+  const test::Outcome added =
+      second.run({"token", "add", "--client", "anna", "--scene", "floor", "--role", "operator",
+                  "--expires", "1d", "--out", fleet.folder / "anna.token"});
+  ASSERT_EQ(added.status, 0) << added.error;
+  const std::string text = test::text_of(fleet.folder / "anna.token");
+  const auto as_anna = [&](const Host& host) {
+    ServerAccess access = host.access();
+    access.credentials.token = Secret(text.substr(0, text.find('\n')));
+    return access;
+  };
+  const auto comes_in = [&](const Host& host) {
+    try {
+      const Joined joined = join(as_anna(host), request(), FleetHand::kPatience);
+      ask(joined.host, control::LeaveRequest{joined.accepted.session}, FleetHand::kPatience);
+      return true;
+    } catch (const SessionError&) {
+      return false;
+    }
+  };
+  for (const Host* const host : {&first, &second})
+    eventually("the host knows the token", [&] { return comes_in(*host); });
+  const FleetHand hand(as_anna(second), "floor");
+  expect_at(first, hand);
+  const std::string id = text.substr(3, 12);
+  EXPECT_THAT(first.run({"token", "list"}).out, ::testing::HasSubstr(id));
+  const test::Outcome revoked = first.run({"token", "revoke", id});
+  ASSERT_EQ(revoked.status, 0) << revoked.error;
+  eventually("the session of the token ends", [&] { return hand.losses() > 0; });
+  for (const Host* const host : {&first, &second})
+    eventually("the host refuses the token", [&] { return !comes_in(*host); });
+  // A directory that is gone brings no token back.
+  fleet.directory.kill(0);
+  for (const Host* const host : {&first, &second}) EXPECT_FALSE(comes_in(*host));
 }
 
 TEST(FleetOnNats, WithoutTheDirectorySessionsJoinsAndTakeoversGoOn) {
