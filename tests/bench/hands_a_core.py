@@ -71,12 +71,11 @@ def felt_error(file, scene, begin, end):
     ticks = [i for i, t in enumerate(sample["time"]) if begin <= t - sample["time"][0] < end]
     places = [sample["position"][i] for i in ticks]
     table = {"t": [sample["time"][i] for i in ticks], **{axis: [p[k] for p in places] for k, axis in enumerate("xyz")}}
-    true = feltwire.lab.touch(scene, table=table).tables["touch"]
-    names = [name for name in true.columns if name.startswith("f")][:3]
+    true = feltwire.lab.touch(scene=scene, table=table).table
     wrong = whole = 0.0
     touched = 0
     for row, i in enumerate(ticks):
-        there = [true[name][row] for name in names]
+        there = [float(a) + float(b) for a, b in zip(true["elastic"][row], true["frictional"][row])]
         here = [a + b for a, b in zip(sample["elastic"][i], sample["frictional"][i])]
         wrong += sum((a - b) ** 2 for a, b in zip(here, there))
         whole += sum(b ** 2 for b in there)
@@ -100,7 +99,7 @@ def measure(scene, hands, profile, seconds, folder):
             while not all([load.complete() for load in loads]):
                 time.sleep(0.2)
             record = folder / f"witness-{hands}.mcap"
-            with server.join(profile=profile, device="simulated:path=slide", record=record, flight_recorder="off",
+            with server.join(traffic=profile, device="simulated:path=slide", record=record, flight_recorder="off",
                              duration=SETTLING + seconds) as witness:
                 pin(os.getpid(), loads_cores)
                 time.sleep(SETTLING)
