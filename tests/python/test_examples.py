@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Every program of examples/python runs, and says what it should."""
 import pathlib
+import re
 import tempfile
 import unittest
 
@@ -49,6 +50,12 @@ class Examples(unittest.TestCase):
     def test_program_as_device(self):
         self.assertIn("the mass rests ", self.run_example("program_as_device.py", "1"))
 
+    def test_six_dof_device(self):
+        said = self.run_example("six_dof_device.py", "2")
+        tilt, torque = (float(one) for one in re.search(r"laid it down to (-?\d+); .* largest torque (\S+) mN m", said).groups())
+        self.assertLess(tilt, 180.0, said)
+        self.assertGreater(torque, 3.0, said)
+
     def test_follower_with_gripper(self):
         said = self.run_example("follower_with_gripper.py", "6")
         self.assertRegex(said, r"the robot is engaged, at z = -\d+.\d mm, and presses with [1-9]")
@@ -77,10 +84,11 @@ class Examples(unittest.TestCase):
     def test_they_are_short_and_all_are_run(self):
         names = {path.name for path in FOLDER.glob("*.py")}
         self.assertEqual(names, {"recording_to_numpy.py", "scene_by_program.py", "two_hands.py", "program_as_device.py", "lab_verb.py",
-                                 "own_law.py", "follower_with_gripper.py",
+                                 "own_law.py", "follower_with_gripper.py", "six_dof_device.py",
                                  "world_cloth.py", "world_platform.py", "world_tissue.py"})
-        for name in names:
-            self.assertLess(len((FOLDER / name).read_text().splitlines()), 80, name)
+        # The observer, the admin (test_observer.py) and the hand in C (tests/install) are examples of the package too.
+        for path in [*(FOLDER / name for name in names), *(FOLDER.parent / name for name in ("my_observer.py", "my_admin.py", "my_hand.c"))]:
+            self.assertLess(len(path.read_text().splitlines()), 80, path)
 
 
 if __name__ == "__main__":
