@@ -46,6 +46,7 @@ set_target_properties(feltwire PROPERTIES EXPORT_NAME c)
 target_include_directories(feltwire INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 install(TARGETS feltwire EXPORT feltwire LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT c NAMELINK_COMPONENT development)
 install(FILES client/c_api/feltwire.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+install(FILES client/c_api/Feltwire.cs DESTINATION ${CMAKE_INSTALL_DATADIR}/feltwire-dev COMPONENT development)
 install(FILES sim/own_laws/feltwire_law_v1.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/feltwire/sim/own_laws COMPONENT development)
 
 set(config ${CMAKE_INSTALL_LIBDIR}/cmake/feltwire)

@@ -5,19 +5,24 @@ Compiles a library that has the functions of api_table.py with nothing in them, 
 compiler options or of the C++ behind it. abidw writes it, and abidiff compares it with the committed dump. New functions, and new fields at
 the end of a struct, are compatible; all else is not. Without an option a dump with compatible changes is written, and one with
 other changes is refused. --check writes nothing: the exit status is 1 if the dump is not what the table says. --accept writes it in any case.
-Needs abigail-tools and a C compiler.
+--check also compares each struct of Feltwire.cs and of the Python package with the compiler's. Needs abigail-tools and a C compiler.
 """
+import ctypes
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
 import xml.etree.ElementTree
 
 import api_table as api
-from make_bindings import c_type
+from make_bindings import c_type, class_name
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "python"))
+from feltwire import abi as python_abi  # noqa: E402
+
 DUMP = HERE / "libfeltwire.abi"
 # A program says how much of a struct it knows, so a struct may grow.
 GROWN = "[suppress_type]\n  type_kind = struct\n  has_data_member_inserted_at = end\n"
@@ -86,10 +91,57 @@ def changed_fields(made):
                    if (new := now.get(struct, {}).get(field)) != old)
 
 
+WORDS = {"uint": "uint32_t", "ulong": "uint64_t", "double": "double"}  # of C#; an IntPtr is a pointer
+SIZES = {"uint32_t": 4, "uint64_t": 8, "double": 8, "pointer": 8}
+
+
+def members(path):
+    """{name of a struct: ({field: (offset [bytes], type of an element, number of elements)}, size [bytes])} of a dump, as a compiler laid it out."""
+    sizes = {struct.get("name"): int(struct.get("size-in-bits")) // 8 for struct in xml.etree.ElementTree.parse(path).getroot().iter("class-decl")
+             if struct.get("is-declaration-only") != "yes"}
+    found = {}
+    for struct, fields in structs(path).items():
+        parts = {field: (int(offset) // 8, *re.fullmatch(r"(.*?)(?:\[(\d+)\])?", kind).groups()) for field, (offset, kind) in fields.items()}
+        found[struct] = {field: (offset, "pointer" if kind.startswith("pointer") else kind, int(count or 1))
+                         for field, (offset, kind, count) in parts.items()}, sizes[struct]
+    return found
+
+
+def csharp():
+    """{name of a struct: ({field: (offset, type)}, size)} of Feltwire.cs, whose arrays are a field for each element."""
+    text = (HERE / "Feltwire.cs").read_text(encoding="utf-8")
+    return {name: ({field: (int(offset), WORDS.get(kind, "pointer" if kind == "IntPtr" else kind))
+                    for offset, kind, field in re.findall(r"\[FieldOffset\((\d+)\)\] public (\w+) (\w+);", body)}, int(size))
+            for size, name, body in re.findall(r"\[StructLayout\(LayoutKind\.Explicit, Size = (\d+)\)\]\s+public struct (\w+)\s*\{(.*?)\n        \}",
+                                               text, re.DOTALL)}
+
+
+def other_languages(made):
+    """Lines for the structs of C# and Python that differ from the compiler's."""
+    wrong, sharp = [], csharp()
+    for struct, (fields, size) in members(made).items():
+        name = class_name(struct.removeprefix("fw_"))
+        elements = {field if count == 1 else f"{field}_{i}": (offset + i * SIZES[kind], kind)
+                    for field, (offset, kind, count) in fields.items() for i in range(count)}
+        if sharp.pop(name, None) != (elements, size):
+            wrong.append(f"Feltwire.cs: {name} differs from {struct}")
+        one = getattr(python_abi, name)
+        placed = {field: (getattr(one, field).offset, getattr(one, field).size) for field, _ in one._fields_}
+        if placed != {field: (offset, SIZES[kind] * count) for field, (offset, kind, count) in fields.items()} or ctypes.sizeof(one) != size:
+            wrong.append(f"abi.py: {name} differs from {struct}")
+        table = getattr(python_abi, f"{struct.removeprefix('fw_').upper()}_DTYPE", None)
+        if table and (dict(zip(table["names"], table["offsets"])), table["itemsize"]) != ({field: where for field, (where, *_) in fields.items()}, size):
+            wrong.append(f"abi.py: the dtype of {name} differs from {struct}")
+    wrong += [f"Feltwire.cs: {name} is no struct of feltwire.h" for name in sharp]
+    return "\n".join(wrong)
+
+
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         made = dump(folder)
+        if wrong := other_languages(made):
+            sys.exit(f"{wrong}\nrun client/c_api/make_bindings.py")
         broken = compared(made, folder, "--no-added-syms") + changed_fields(made) if DUMP.exists() else ""
         if broken and sys.argv[1:] != ["--accept"]:
             sys.exit(f"{broken}\nfeltwire.h has an incompatible change: a program of last year may break with this library. Undo it. If it is "

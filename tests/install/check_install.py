@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Installs feltwire, moves the folder, and builds and runs programs against it: with find_package and with pkg-config.
+"""Installs feltwire, moves the folder, and builds and runs programs against it: with find_package and with pkg-config. All installed
+programs say their version.
 
 The installed my_device (examples/my_device.cpp) then feels a scene of a server that is started for it.
 
@@ -58,10 +59,10 @@ def check_headers(prefix, compiler):
     return len(headers)
 
 
-def feel(program, source):
-    """A second of the program in a scene of a server of its own."""
+def feel(program, source, *arguments):
+    """What the program says in a scene of a server of its own."""
     with feltwire.serve(source / "scenes/plane.json") as server:
-        return run(program, server.address, "plane", 1, LET_GO_AFTER,
+        return run(program, server.address, "plane", *arguments,
                    environment={"FELTWIRE_FINGERPRINT_FILE": server.fingerprint_file, "FELTWIRE_TOKEN_FILE": server.token_file})
 
 
@@ -81,7 +82,7 @@ def main():
             f"-DCMAKE_CXX_COMPILER={compiler}", f"-DEXAMPLES={source / 'examples'}")
         run("cmake", "--build", folder / "build", "--parallel", 2)
         run(folder / "build/bound")
-        feel(folder / "build/my_device", source)
+        feel(folder / "build/my_device", source, 1, LET_GO_AFTER)
 
         # The released one includes the header at its place in version 0.1, and does not know functions that were added since.
         for plugin, known in ((source / "examples/my_plugin.c", []),
@@ -94,15 +95,29 @@ def main():
         library = next(prefix.rglob("libfeltwire.so")).parent
         run("cc", "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{prefix / 'include'}",
             source / "examples/my_hand.c", f"-L{library}", f"-Wl,-rpath,{library}", "-lfeltwire", "-lm", "-o", folder / "my_hand")
+        for _ in range(1 + MOST_STALLS):  # a busy machine may leave the hand without a pose for longer than stale_after
+            said = feel(folder / "my_hand", source)
+            most = max((float(force) for force in re.findall(r"force +(\S+) N", said)), default=0.0)
+            if most > 0.2:
+                break
+        else:
+            sys.exit(f"my_hand felt no plane:\n{said}")
         exported = run("nm", "-D", "--defined-only", "--format=posix", library / "libfeltwire.so").splitlines()
         others = [line for line in exported if not line.startswith(("fw_", "FELTWIRE_0"))]
         if others or not any(line.startswith("fw_hand_open") for line in exported):
             sys.exit("libfeltwire.so exports something else than fw_*:\n" + "\n".join(others))
 
+        if not any("FieldOffset" in file.read_text(encoding="utf-8") for file in prefix.rglob("Feltwire.cs")):
+            sys.exit("the bindings for C#, Feltwire.cs, were not installed")
+        for program in ("server", "client", "view", "follower", "lab", "mjcf"):
+            said = run(prefix / f"bin/feltwire-{program}", "--version")
+            if not said.startswith(f"feltwire-{program} "):
+                sys.exit(f"the installed feltwire-{program} --version says:\n{said}")
+
         flags = run("pkg-config", "--cflags", "--libs", "feltwire",
                     environment={"PKG_CONFIG_PATH": str(next(prefix.rglob("feltwire.pc")).parent)}).split()
         run(compiler, "-std=c++20", example, *flags, "-o", folder / "my_device")
-        feel(folder / "my_device", source)
+        feel(folder / "my_device", source, 1, LET_GO_AFTER)
         print(f"{headers} headers; my_device built with find_package and with pkg-config, each felt the plane")
 
 
