@@ -121,8 +121,45 @@ class AsyncHands(unittest.IsolatedAsyncioTestCase):
             return {name for name in dir(kind) if not name.startswith("_") and name not in ("NAME", "AIO", "renew_locks")}
 
         for blocking, twin in ((feltwire.Hand, feltwire.aio.Hand), (feltwire.Follower, feltwire.aio.Follower),
-                               (feltwire.recorder.Recorder, feltwire.aio.Recorder)):
+                               (feltwire.recorder.Recorder, feltwire.aio.Recorder), (feltwire.Observer, feltwire.aio.Observer),
+                               (feltwire.Admin, feltwire.aio.Admin)):
             self.assertEqual(public(blocking) - public(twin), set(), twin)
+
+    async def test_an_observer_and_an_admin_in_one_loop(self):
+        def seen(hands, field):
+            return hands[0][field] if hasattr(hands, "dtype") else getattr(hands[0], field)
+
+        trusted = {"fingerprint_file": self.server.fingerprint_file}
+        async with self.join(device="simulated:path=press", name="anna"), \
+                feltwire.aio.observe(self.server.address, "plane", token_file=self.server.token_file, **trusted) as observer, \
+                feltwire.aio.admin(self.server.address, token_file=self.server._token("admin", "*"), **trusted) as admin:
+            numbers = []
+
+            async def watch():
+                async for state in observer:
+                    numbers.append(state.number)
+                    hands = observer.hands()
+                    if len(hands) and len(numbers) > 5:
+                        return int(seen(hands, "number"))
+
+            number = await asyncio.wait_for(watch(), LONGEST)
+            self.assertEqual(numbers, sorted(set(numbers)))
+            sessions = {session["number"]: session["client"] for session in await admin.sessions()}
+            self.assertEqual(len(sessions), 2, sessions)
+            self.assertIn(number, sessions)
+            self.assertTrue(await observer.wait(LONGEST))
+            self.assertFalse(await observer.wait(0.0, after=2**60))
+            with self.assertRaisesRegex(feltwire.Refused, "object"):
+                await admin.set(object="no_such_object", stiffness=500)
+            self.assertEqual((await admin.scenes())[0]["scene"], "plane")
+            await admin.close()
+            with self.assertRaisesRegex(ValueError, "admin is closed"):
+                await admin.stats()
+        with self.assertRaisesRegex(ValueError, "observer is closed"):
+            await observer.wait()
+        with self.assertRaisesRegex(TypeError, "feltwire.aio.observe"):
+            async with self.server.observe():
+                pass
 
     async def test_a_join_that_is_cancelled_closes_its_hand(self):
         joining = asyncio.ensure_future(self.join()._run())

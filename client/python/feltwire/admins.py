@@ -31,6 +31,7 @@ class Admin(Handle):
     """
 
     NAME = "admin"
+    AIO = "use feltwire.aio.admin(server.address, ...)"
 
     def request(self, *words):
         """Runs a command with the words of `feltwire-client admin`: request("set", "--object", "table", "--stiffness", 500). Returns its

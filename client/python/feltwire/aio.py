@@ -1,5 +1,5 @@
-"""Hands, their recordings and followers for asyncio. A blocking call has a thread of the event loop's pool for its time; ticks are fetched in batches by the loop
-itself.
+"""Hands, their recordings, followers, observers and admins for asyncio. A blocking call has a thread of the event loop's pool for its time; ticks and
+states are fetched by the loop itself.
 
     async with feltwire.aio.join(server.address, "plane", device="simulated:path=press", duration=3) as hand:
         async for tick in hand:
@@ -9,22 +9,24 @@ from __future__ import annotations
 
 import asyncio
 import functools
-from typing import Any, AsyncIterator, Callable, Generator, Generic, List, Optional, Sequence, Tuple, TypeVar
+from typing import Any, AsyncIterator, Callable, Dict, Generator, Generic, List, Optional, Sequence, Tuple, TypeVar, Union
 
-from . import abi
+from . import abi, admins
 from . import follower as followers
 from . import hand as blocking
+from . import observer as observers
 from .errors import Error
 from .pacing import require_rate
 from .values import Path
 
 _PERIOD = 0.02  # [s] between two looks at a hand
-_Handle = TypeVar("_Handle", "Hand", "Follower", "Recorder")
+_VIEW = 0.005  # [s] between two looks at an observer, whose views come every 10 ms
+_Handle = TypeVar("_Handle", "Hand", "Follower", "Recorder", "Observer", "Admin")
 _Self = TypeVar("_Self", bound="_Closed")
 
 
 class Joining(Generic[_Handle]):
-    """A call that goes on. `await` it for the Hand, Follower or Recorder, or use it with `async with`, which also closes it."""
+    """A call that goes on. `await` it for the Hand, Follower, Recorder, Observer or Admin, or use it with `async with`, which also closes it."""
 
     def __init__(self, opening: Callable[[], Any], kind: Callable[[Any], _Handle]):
         self._opening, self._kind = opening, kind
@@ -66,6 +68,16 @@ def follow(server: str, scene: str, **options: Any) -> Joining[Follower]:
     return Joining(functools.partial(followers.follow, server, scene, **options), Follower)
 
 
+def observe(server: str, scene: str, **options: Any) -> Joining[Observer]:
+    """As feltwire.observe(), for `async with observe(...) as observer` or `observer = await observe(...)`. Errors come as there."""
+    return Joining(functools.partial(observers.observe, server, scene, **options), Observer)
+
+
+def admin(server: str, **options: Any) -> Joining[Admin]:
+    """As feltwire.admin(), for `async with admin(...) as one` or `one = await admin(...)`. Errors come as there."""
+    return Joining(functools.partial(admins.admin, server, **options), Admin)
+
+
 class _Closed:
     """What all share: each is closed without holding up the loop. `_blocking` is the one of feltwire."""
 
@@ -76,6 +88,10 @@ class _Closed:
         """As close() of the blocking one: ends the use, and raises its error. May be called again."""
         self._closing = True
         await asyncio.get_running_loop().run_in_executor(None, self._blocking.close)
+
+    def _require_open(self) -> None:
+        if self._closing:  # A thread closes it, and this one must not wait for it.
+            raise ValueError(f"the {self._blocking.NAME} is closed")
 
     async def __aenter__(self: _Self) -> _Self:
         return self
@@ -96,8 +112,7 @@ class _Run(_Closed):
         return list(self._blocking.messages())
 
     def _ended(self) -> bool:
-        if self._closing:  # A thread closes it, and this one must not wait for it.
-            raise ValueError(f"the {self._blocking.NAME} is closed")
+        self._require_open()
         return bool(self._blocking.wait(0.0))
 
     async def wait(self, timeout: Optional[float] = None) -> bool:
@@ -210,3 +225,98 @@ class Follower(_Run):
             yield due - begin
             due = max(due + 1.0 / rate, loop.time())
             await asyncio.sleep(max(0.0, due - loop.time()))
+
+
+class Observer(_Closed):
+    """A feltwire.Observer for asyncio. observer is the blocking one. `async for state in observer` gives each newer state."""
+
+    def __init__(self, observer: observers.Observer):
+        super().__init__(observer)
+        self.observer = observer
+
+    def latest(self) -> Optional[abi.SceneState]:
+        """As feltwire.Observer.latest(). Never waits."""
+        state: Optional[abi.SceneState] = self.observer.latest()
+        return state
+
+    def hands(self) -> Any:
+        """As feltwire.Observer.hands(). Never waits."""
+        return self.observer.hands()
+
+    def bodies(self) -> Any:
+        """As feltwire.Observer.bodies(). Never waits."""
+        return self.observer.bodies()
+
+    def name(self, number: int) -> Optional[str]:
+        """As feltwire.Observer.name(). It asks the server for nothing, so it does not wait for it."""
+        name: Optional[str] = self.observer.name(number)
+        return name
+
+    def messages(self) -> List[str]:
+        """What happened to the session since the last call."""
+        return list(self.observer.messages())
+
+    async def wait(self, timeout: Optional[float] = None, after: Optional[int] = None) -> bool:
+        """Waits for a state with a number greater than `after` (None: than that of the newest), at most `timeout` [s]; None: without an end. Returns
+        whether there is one; False also where the observer has ended."""
+        loop = asyncio.get_running_loop()
+        end = None if timeout is None else loop.time() + timeout
+        self._require_open()
+        number = self.observer._number() if after is None else after
+        while (result := self.observer._look(number, 0.0)) == abi.NOTHING:
+            if end is not None and loop.time() >= end:
+                return False
+            await asyncio.sleep(_VIEW)
+            self._require_open()
+        return bool(result == abi.OK)
+
+    async def __aiter__(self) -> AsyncIterator[abi.SceneState]:
+        """Each newer state, until the observer has ended. Where the loop is slow, states between are left out."""
+        number = 0
+        while await self.wait(after=number):
+            state = self.latest()
+            if state is not None:
+                number = state.number
+                yield state
+
+
+class Admin(_Closed):
+    """A feltwire.Admin for asyncio. Each call has a thread of the event loop's pool until the server has answered; errors come as there."""
+
+    async def _call(self, name: str, *arguments: Any, **options: Any) -> Any:
+        self._require_open()
+        return await asyncio.get_running_loop().run_in_executor(None, functools.partial(getattr(self._blocking, name), *arguments, **options))
+
+    async def request(self, *words: Any) -> Any:
+        """As feltwire.Admin.request()."""
+        return await self._call("request", *words)
+
+    async def scenes(self) -> List[Dict[str, Any]]:
+        """As feltwire.Admin.scenes()."""
+        found: List[Dict[str, Any]] = await self._call("scenes")
+        return found
+
+    async def sessions(self, scene: Optional[str] = None) -> List[Dict[str, Any]]:
+        """As feltwire.Admin.sessions()."""
+        found: List[Dict[str, Any]] = await self._call("sessions", scene)
+        return found
+
+    async def stats(self) -> Any:
+        """As feltwire.Admin.stats()."""
+        return await self._call("stats")
+
+    async def set(self, **options: Any) -> Any:
+        """As feltwire.Admin.set()."""
+        return await self._call("set", **options)
+
+    async def evict(self, session: Union[int, str], scene: Optional[str] = None) -> Any:
+        """As feltwire.Admin.evict()."""
+        return await self._call("evict", session, scene)
+
+    async def reload(self, scene: str) -> Any:
+        """As feltwire.Admin.reload()."""
+        return await self._call("reload", scene)
+
+    async def record(self, scene: Optional[str] = None) -> Any:
+        """As feltwire.Admin.record()."""
+        return await self._call("record", scene)

@@ -68,6 +68,7 @@ class Observer(Handle):
     """
 
     NAME = "observer"
+    AIO = "use feltwire.aio.observe(server.address, scene, ...)"
 
     def __init__(self, handle):
         super().__init__(handle)
@@ -130,16 +131,25 @@ class Observer(Handle):
         """Waits for a state with a number greater than `after` (None: than that of the newest), at most `timeout` [s]. Returns whether
         there is one; False also where the observer has ended. Ctrl-C interrupts it."""
         if after is None:
-            state = self._newest(self._asked)
-            after = 0 if state is None else state.number
+            after = self._number()
         while True:
-            with self._lock:
-                result = BLOCKING.fw_observer_wait(self._open(), after, max(0.0, min(_STEP, timeout)))
-            if result < 0:
-                _raise(result)
+            result = self._look(after, max(0.0, min(_STEP, timeout)))
             timeout -= _STEP
             if result != abi.NOTHING or timeout <= 0.0:
                 return result == abi.OK
+
+    def _number(self):
+        """That of the newest state."""
+        state = self._newest(self._asked)
+        return 0 if state is None else state.number
+
+    def _look(self, after, timeout):
+        """abi.OK: there is a newer state, within `timeout` [s]; abi.NOTHING: not yet; abi.ENDED: there will be none."""
+        with self._lock:
+            result = BLOCKING.fw_observer_wait(self._open(), after, timeout)
+        if result < 0:
+            _raise(result)
+        return result
 
     def close(self):
         """Leaves the scene. Raises Error if an error had ended the observer. May be called again."""
