@@ -342,5 +342,16 @@ FUNCTIONS = [
      "FW_ERROR_DEVICE with a text: a file is not complete, or ticks were lost. Null is allowed."),
 ]
 
+# (title, first of its functions) of the parts of docs/c_reference.md. A struct stands in the part whose function takes it first.
+PARTS = [
+    ("Errors and texts", "version"),
+    ("A hand", "hand_options_default"),
+    ("A hand in the physics of the program", "world_options_default"),
+    ("An observer", "observer_options_default"),
+    ("An admin", "admin_options_default"),
+    ("A robot that follows", "lead_state_text"),
+    ("A recording", "recorder_options_default"),
+]
+
 # The version that brought a function, where it is not 0.1.0.
 SINCE = {}

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Writes the bindings of the C interface from api_table.py: make_bindings.py [--check]
 
-feltwire.h (C99 and C++), client/python/feltwire/abi.py (ctypes), Feltwire.cs (C#, blittable structs), and the symbols of Debian's
-package. With --check nothing is written; the exit status is 1 if a file is not what the table says.
+feltwire.h (C99 and C++), client/python/feltwire/abi.py (ctypes), Feltwire.cs (C#, blittable structs), docs/c_reference.md, and the symbols of
+Debian's package. With --check nothing is written; the exit status is 1 if a file is not what the table says.
 """
 import pathlib
 import sys
@@ -199,6 +199,45 @@ def result_texts():
     return "\n".join(out) + "\n"
 
 
+def cell(text):
+    """A text in a row of a table of Markdown."""
+    return text.replace("|", "\\|")
+
+
+def reference_struct(struct):
+    """The table of a struct's fields."""
+    lines = [f"### fw_{struct[0]}", "", struct[1], "", "| field | type | |", "|---|---|---|"]
+    for kind, field, text in struct[2]:
+        base, count = parts(kind)
+        lines.append(f"| `{field}` | `{C[base]}{f'[{count}]' if '[' in kind else ''}` | {cell(text)} |")
+    return lines + [""]
+
+
+def reference():
+    """docs/c_reference.md: all functions and structs, in parts."""
+    structs, begins = {struct[0]: struct for struct in api.STRUCTS}, {name: title for title, name in api.PARTS}
+    out = ["# The C interface, function by function", "", f"<!-- {NOTICE} -->", "",
+           "The tutorial is [c_api.md](c_api.md). Units are SI, vectors are in the world frame, and a force is the one on the hand. A null text is not given.", "",
+           "*Structs.* Each begins with `struct_size` and `reserved`, which the tables leave out. What the program fills in has a `fw_..._default()`, which is "
+           "called first with `sizeof`. What the library fills in has its size as an argument of the function instead.", "",
+           "*Threads.* \"any thread\": at any time. \"one thread at a time\": of each handle. \"never waits\": it takes no lock, and allocates "
+           "nothing unless it fails, so a real-time thread may call it.", "",
+           "| result | | |", "|---|---:|---|", *(f"| `FW_{name}` | {number} | {cell(text)} |" for name, number, text in api.RESULTS), "",
+           "| handle | |", "|---|---|", *(f"| `fw_{name}` | {cell(text)} |" for name, text in api.HANDLES), ""]
+    for result, name, arguments, threads, text in api.FUNCTIONS:
+        if name in begins:
+            out += [f"## {begins.pop(name)}", ""]
+        for kind, _ in arguments:
+            struct = structs.pop(kind.removeprefix("const ").rstrip("*"), None)
+            if struct is not None:
+                out += reference_struct(struct)
+        words = ", ".join(f"{c_type(kind)} {argument}" for kind, argument in arguments) or "void"
+        out += [f"### fw_{name}()", "", f"`{c_type(result)} fw_{name}({words})`", "", f"{text} *Threads: {threads}.*", ""]
+    if structs or begins:
+        sys.exit(f"no function takes {list(structs)}; no function is called {list(begins)}")
+    return "\n".join(out).rstrip() + "\n"
+
+
 def symbols():
     """The symbols of Debian's package, each with the version that brought it."""
     names = sorted(["FELTWIRE_0", *(f"fw_{name}" for _, name, *_ in api.FUNCTIONS)])
@@ -211,7 +250,7 @@ for handle, _ in api.HANDLES:
         words.update({f"{handle}*": one, f"const {handle}*": one, f"{handle}**": place})
 
 FILES = {"feltwire.h": header, "../python/feltwire/abi.py": python, "Feltwire.cs": csharp, "offsets.h": offsets, "result_texts.hpp": result_texts,
-         "../../debian/libfeltwire0.symbols": symbols}
+         "../../debian/libfeltwire0.symbols": symbols, "../../docs/c_reference.md": reference}
 
 if __name__ == "__main__":
     stale = [name for name, text in FILES.items() if not (HERE / name).exists() or (HERE / name).read_text() != text()]

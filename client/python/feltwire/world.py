@@ -35,7 +35,9 @@ class Patch(NamedTuple):
     damping: float = 0.0
     """[N s/m] along the normal"""
     static_friction: float = 0.0
+    """coefficient, not below dynamic_friction"""
     dynamic_friction: float = 0.0
+    """coefficient"""
     viscous_friction: float = 0.0
     """[N s/m] against sliding"""
     object: int = 0
