@@ -20,6 +20,7 @@ import tempfile
 import types
 import unittest
 
+from stand_ins import Tensor, gymnasium, isaac, module
 from support import LONGEST, PACKAGE, PATIENT, SOURCE, eventually, run_python
 import feltwire
 import feltwire.lerobot
@@ -27,12 +28,6 @@ import feltwire.lerobot
 # A busy machine may let the program wait, and the force must not fade meanwhile.
 WORLD = {**PATIENT, "hold_time": 1}
 STIFFNESS = 2000.0  # [N/m]
-
-
-def module(name, **contents):
-    made = types.ModuleType(name)
-    made.__dict__.update(contents)
-    return made
 
 
 class StandIns(unittest.TestCase):
@@ -163,6 +158,51 @@ class LeRobot(StandIns):
         with self.assertRaisesRegex(ValueError, "'stiffness', which has a field of its own"):
             make_device(self.config(options={**WORLD, "stiffness": 100.0})).connect()
 
+    def test_what_the_limits_and_the_account_take_is_told(self):
+        hand = make_device(self.config(stiffness=STIFFNESS, options={**WORLD, "max_force": 1}))
+        most = dict.fromkeys(("reduced", "account_cut", "no_force"), 0.0)
+
+        def is_told():
+            action = hand.get_action()
+            most.update((name, max(value, action[name])) for name, value in most.items())
+            hand.send_feedback({"force_z": 50.0})
+            self.assertLessEqual(action["force_z"], 1.0 + 1e-9)
+            return most["reduced"] == 1.0 and most["account_cut"] > 0.0
+
+        with hand:
+            eventually("bound, limits and account are told", is_told)
+            self.assertLessEqual(most["account_cut"], 1.0)
+            eventually("so is the reason for no force", lambda: hand.get_action()["no_force"] > 0.0)
+
+    def test_a_data_set_has_what_was_felt(self):
+        """A data set has one vector of the robot's action features that are numbers, and takes their values by name from each action."""
+        hand = make_device(self.config(stiffness=STIFFNESS, options=WORLD))
+        features = {"elbow.pos": float, **hand.action_features}  # of a robot's plug-in that names them
+        names = [name for name, kind in features.items() if kind is float]
+        frames = []
+
+        def recorded():
+            action = hand.get_action()
+            hand.send_feedback({"force_z": max(0.0, -STIFFNESS * action["z"])})
+            frames.append([{**action, "elbow.pos": 0.5}[name] for name in names])
+            return frames[-1][names.index("force_z")] > 0.5
+
+        with hand:
+            eventually("the feedback is felt", recorded)
+        self.assertGreater(len(frames), 1)
+        self.assertTrue(all(isinstance(value, float) for frame in frames for value in frame))
+        last = dict(zip(names, frames[-1]))
+        self.assertLess(last["z"], 0.0)
+        self.assertGreater(last["scene_force_z"], 0.5)
+        self.assertEqual(names, ["elbow.pos", "x", "y", "z", "qw", "qx", "qy", "qz", "force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z",
+                                 "scene_force_x", "scene_force_y", "scene_force_z", "reduced", "account_cut", "no_force"])
+
+    def test_the_command_of_the_page_has_fields_of_the_configuration(self):
+        command = re.search(r"^    (lerobot-teleoperate .*)$", (SOURCE / "docs/python.md").read_text(encoding="utf-8"), re.MULTILINE)[1]
+        given = dict(re.findall(r"--teleop\.(\w+)=(\S+)", command))
+        self.assertEqual(given.pop("type"), "feltwire")
+        self.assertEqual(self.config(**given).scene, "bench")
+
     def test_feedback_is_felt_and_fades(self):
         hand = make_device(self.config(stiffness=STIFFNESS, options=WORLD))
         self.assertEqual(set(hand.feedback_features), {*(f"{what}_{axis}" for what in ("force", "torque") for axis in "xyz"), "stiffness"})
@@ -223,53 +263,14 @@ class LeRobot(StandIns):
         self.assertEqual(importlib.metadata.version("lerobot_teleoperator_feltwire"), version)
 
 
-class Tensor(list):
-    """As much of torch.Tensor as the adapter uses."""
-
-    shape = property(lambda self: (len(self), 3))
-
-    def detach(self):
-        return self
-
-    def cpu(self):
-        return self
-
-    def reshape(self, *_):
-        return self
-
-    def tolist(self):
-        return list(self)
-
-
 class Isaac(StandIns):
     def setUp(self):
         super().setUp()
-
-        class DeviceBase(abc.ABC):
-            def __init__(self, retargeters=None):
-                self._retargeters = retargeters or []
-
-            @abc.abstractmethod
-            def reset(self):
-                raise NotImplementedError
-
-            @abc.abstractmethod
-            def add_callback(self, key, func):
-                raise NotImplementedError
-
-            def _get_raw_data(self):
-                raise NotImplementedError
-
-            def advance(self):
-                raise NotImplementedError
-
-        self.put(isaaclab=module("isaaclab"), isaaclab__devices=module("isaaclab.devices", DeviceBase=DeviceBase),
-                 torch=module("torch", float32="float32", tensor=lambda values, dtype, device: Tensor(values),
-                              cat=lambda parts, dim: Tensor(one for part in parts for one in part)))
+        self.put(**isaac())
 
     def make(self, retargeters=None, **options):
-        isaac = importlib.import_module("feltwire.isaac")
-        return isaac.FeltDevice(isaac.FeltDeviceCfg(stiffness=STIFFNESS, options={**WORLD, **options}), retargeters)
+        adapter = importlib.import_module("feltwire.isaac")
+        return adapter.FeltDevice(adapter.FeltDeviceCfg(stiffness=STIFFNESS, options={**WORLD, **options}), retargeters)
 
     def test_an_option_that_is_a_field_is_refused_with_the_field(self):
         with self.assertRaisesRegex(ValueError, "'device', which has a field of its own; set device='simulated'"):
@@ -339,47 +340,8 @@ class Isaac(StandIns):
 class Gymnasium(StandIns):
     def setUp(self):
         super().setUp()
-
-        class Env:
-            metadata = {"render_modes": []}
-
-            def reset(self, *, seed=None, options=None):
-                raise NotImplementedError
-
-            def close(self):
-                pass
-
-            @property
-            def unwrapped(self):
-                return self
-
-        class Wrapper(Env):
-            def __init__(self, env):
-                assert isinstance(env, Env)
-                self.env = env
-
-            @property
-            def unwrapped(self):
-                return self.env.unwrapped
-
-        class Table(Env):
-            """A table at z = 0; the environment's own state is the number of its steps."""
-            steps = 0
-            closed = False
-
-            def step(self, action):
-                self.steps += 1
-                return action, 0.0, False, False, {"steps": self.steps}
-
-            def reset(self, *, seed=None, options=None):
-                self.steps = 0
-                return seed, {"options": options}
-
-            def close(self):
-                self.closed = True
-
-        self.put(gymnasium=module("gymnasium", Wrapper=Wrapper, Env=Env))
-        self.table = Table()
+        self.put(**gymnasium())
+        self.table = sys.modules["gymnasium"].make("Table-v0")
 
     def wrap(self, contacts, **options):
         gym = importlib.import_module("feltwire.gym")
