@@ -1,5 +1,6 @@
 """The Python package against a server of its own: test_hand.py. FELTWIRE_LIBRARY and FELTWIRE_PROGRAMS name what was built."""
 import ctypes
+import os
 import pathlib
 import subprocess
 import sys
@@ -30,6 +31,14 @@ class Hands(unittest.TestCase):
         self.assertEqual(numbers, list(range(1, len(numbers) + 1)))
         forces = [tick["force"][2] if hasattr(tick, "dtype") else tick.force[2] for tick in ticks]
         self.assertGreater(max(forces), 0.3)
+
+    def test_a_plugin_in_c_is_a_device(self):
+        """examples/my_plugin.c: a spring pulls its mass into the wall."""
+        plugin = pathlib.Path(os.environ["FELTWIRE_PROGRAMS"]).parent / "examples/my_plugin.so"
+        with self.server.join(device=f"plugin:{plugin},await_still=0:0.2", **PATIENT) as hand:
+            eventually("the plugin's mass is pushed back", lambda: (tick := hand.latest()) is not None and tick.force[2] > 0.1)
+        with self.assertRaisesRegex((ValueError, feltwire.Error), "no_such_plugin"):
+            self.server.join(device="plugin:./no_such_plugin.so", **PATIENT)
 
     def test_a_program_moves_a_hand(self):
         with self.server.join(device="caller:await_still=0", stale_after=0.2, hold_time=1, **PATIENT) as hand:
