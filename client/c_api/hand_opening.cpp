@@ -12,6 +12,7 @@
 #include "client/servo/device_input.hpp"
 #include "core/base/written_number.hpp"
 #include "core/device/device_file.hpp"
+#include "protocol/session/session_parameters.hpp"
 
 namespace feltwire {
 namespace {
@@ -70,6 +71,18 @@ void require_no_server(const HandRequest& request, const std::vector<std::string
         refuse(request, "more: " + option + " needs a server: leave it out");
 }
 
+/// A hand that a person may hold has an energy account behind its law, as no call may get a force
+/// past it. Throws std::invalid_argument for a law without one.
+void require_account(const HandRequest& request, const ClientOptions& options) {
+  if (!options.driver->held_by_person) return;
+  const char* why =
+      " leaves the hand without an energy account, and a person may hold this device; "
+      "give another law, or the device simulated, which nobody holds";
+  if (options.parameters.mode == kUnbounded)
+    refuse(request, std::string("more: --mode none") + why);
+  if (!options.servo.account) refuse(request, std::string("more: account=off of --mode") + why);
+}
+
 /// The options of these words. A device of the caller is a plugin there, and `caller` in an error.
 ClientOptions options_of_hand(const std::vector<std::string>& words, bool caller, bool has_server) {
   try {
@@ -107,6 +120,7 @@ std::unique_ptr<OpenHand> open_hand(const HandRequest& request, const SimulatorS
   const std::vector<std::string> words = command_line(request, is_caller);
   if (simulator != nullptr) require_no_server(request, words);
   ClientOptions options = options_of_hand(words, is_caller, simulator == nullptr);
+  require_account(request, options);
   options.rehearses = false;  // it prints
   std::shared_ptr<SimulatorFeed> feed;
   options.hooks.open_port = port_opener(options);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <utility>
 
 #include "client/c_api/feltwire.h"
 #include "tests/support/eventually.hpp"
@@ -91,6 +92,41 @@ TEST_F(CApiWorld, AForceWithAStiffnessIsFelt) {
     EXPECT_GE(fw_hand_push(hand_, &wrench), FW_OK) << fw_last_error();
     return now.force[2] > 0.5;
   });
+}
+
+// A simulator that is out of its mind gives 9 kN, as the force of a spring and as a force alone.
+// The hand gets what the limits and the account leave.
+TEST_F(CApiWorld, APushOfNineKilonewtonsGivesNoMoreThanTheLimit) {
+  constexpr double kLimit = 3.0, kPush = 9000.0;  // [N]
+  static constexpr std::array<const char*, 6> kLimited = {"--let-go-after", "1", "--hold-time", "1",
+                                                          "--max-force",    "3"};
+  fw_world_options given = options();
+  given.more = kLimited.data();
+  given.more_count = kLimited.size();
+  for (const double stiffness : {kStiffness, 0.0}) {
+    open(given);
+    double most = 0.0;
+    std::uint64_t pushed = 0;  // ticks
+    test::eventually("300 ticks of that push", [&] {
+      fw_wrench wrench;
+      fw_wrench_default(&wrench, sizeof wrench);
+      wrench.time = tick().time;
+      wrench.force[2] = kPush;
+      wrench.stiffness = stiffness;
+      EXPECT_GE(fw_hand_push(hand_, &wrench), FW_OK) << fw_last_error();
+      std::array<fw_tick, 64> ticks{};
+      std::uint32_t count = 0;
+      fw_hand_ticks(hand_, ticks.data(), sizeof(fw_tick), ticks.size(), &count);
+      for (std::uint32_t i = 0; i < count; ++i) {
+        const fw_tick& one = ticks[i];
+        pushed += one.scene_force[2] > kPush / 2 ? 1 : 0;
+        most = std::max(most, std::hypot(one.force[0], one.force[1], one.force[2]));
+      }
+      return pushed >= 300 && (most > 0.0 || stiffness == 0.0);
+    });
+    EXPECT_LE(most, kLimit + 1e-9) << "with a stiffness of " << stiffness;
+    EXPECT_EQ(fw_hand_close(std::exchange(hand_, nullptr)), FW_OK) << fw_last_error();
+  }
 }
 
 TEST_F(CApiWorld, WrongPatchesAreNamed) {
@@ -195,6 +231,17 @@ TEST_F(CApiWorld, WrongOptionsAreNamed) {
         o.more_count = kOther.size();
       },
       "--connect");
+  // A person may hold what a program or a plugin moves.
+  for (const char* law : {"none", "per_axis,account=off"}) {
+    const std::array<const char*, 2> without_account = {"--mode", law};
+    refused(
+        [&](fw_world_options& o) {
+          o.device = "caller";
+          o.more = without_account.data();
+          o.more_count = without_account.size();
+        },
+        "without an energy account, and a person may hold this device");
+  }
   EXPECT_EQ(fw_hand_open_world(nullptr, &hand_), FW_ERROR_ARGUMENT);
   EXPECT_EQ(fw_hand_touch(nullptr, 0.0, 0.1, nullptr, 0, 0), FW_ERROR_ARGUMENT);
 }
