@@ -49,8 +49,13 @@ fw_wrench usual_wrench() noexcept {
   return wrench;
 }
 
-void require(bool holds, const std::string& what) {
+/// A text is made only where something is wrong: these functions allocate nothing else.
+void require_call(bool holds, const char* what) {
   if (!holds) throw std::invalid_argument(what);
+}
+/// Does so for a field of a struct. `name`: of the struct.
+void require_part(bool holds, const std::string& name, const char* what) {
+  if (!holds) throw std::invalid_argument(name + "." + what);
 }
 
 bool is_unit(const Vec3& v) { return std::abs(v.norm() - 1.0) < kUnitError; }
@@ -59,7 +64,6 @@ bool is_within(double value, double least, double most) { return value >= least 
 /// Returns the patch with numbers that the hand's side takes as they are. Throws
 /// std::invalid_argument that names the field.
 SurfacePatch to_patch(const fw_patch& from, double reach, const std::string& name) {
-  const std::string patch = name + ".";
   SurfacePatch to;
   to.point = vector(from.point);
   to.normal = vector(from.normal);
@@ -70,34 +74,35 @@ SurfacePatch to_patch(const fw_patch& from, double reach, const std::string& nam
   to.material = {from.stiffness, from.damping, from.static_friction, from.dynamic_friction,
                  from.viscous_friction};
   to.object = static_cast<std::uint16_t>(from.object);
-  require(to.point.norm() < kFarthest, patch + "point is not a number, or farther than 1 km away");
-  require(is_unit(to.normal), patch + "normal is no unit vector");
+  require_part(to.point.norm() < kFarthest, name,
+               "point is not a number, or farther than 1 km away");
+  require_part(is_unit(to.normal), name, "normal is no unit vector");
   to.normal.normalize();
   if (!to.axis.isZero(0.0)) {
-    require(is_unit(to.axis), patch + "axis is neither zero nor a unit vector");
+    require_part(is_unit(to.axis), name, "axis is neither zero nor a unit vector");
     to.axis.normalize();
-    require(std::abs(to.axis.dot(to.normal)) < kAcross, patch + "axis is not across the normal");
+    require_part(std::abs(to.axis.dot(to.normal)) < kAcross, name, "axis is not across the normal");
   }
-  require(to.velocity.norm() < kFarthest, patch + "velocity is not a number, or above 1 km/s");
-  require(std::abs(to.curvature) <= kSharpest, patch + "curvature must be -1e6 to 1e6 1/m");
-  require(is_within(to.radius, 0.0, kFarthest), patch + "radius must be 0 to 1000 m");
-  require(is_within(to.material.stiffness, kSoftest, kStiffest),
-          patch + "stiffness must be 1e-3 to 1e9 N/m");
-  require(is_within(to.material.damping, 0.0, kStiffest), patch + "damping must be 0 or more");
-  require(is_within(to.material.dynamic_friction, 0.0, to.material.static_friction) &&
-              to.material.static_friction <= kMostFriction,
-          patch + "dynamic_friction must be 0 to static_friction");
-  require(is_within(to.material.viscous_friction, 0.0, kStiffest),
-          patch + "viscous_friction must be 0 or more");
-  require(from.object <= 0xFFFF, patch + "object must be below 65536");
+  require_part(to.velocity.norm() < kFarthest, name, "velocity is not a number, or above 1 km/s");
+  require_part(std::abs(to.curvature) <= kSharpest, name, "curvature must be -1e6 to 1e6 1/m");
+  require_part(is_within(to.radius, 0.0, kFarthest), name, "radius must be 0 to 1000 m");
+  require_part(is_within(to.material.stiffness, kSoftest, kStiffest), name,
+               "stiffness must be 1e-3 to 1e9 N/m");
+  require_part(is_within(to.material.damping, 0.0, kStiffest), name, "damping must be 0 or more");
+  require_part(is_within(to.material.dynamic_friction, 0.0, to.material.static_friction) &&
+                   to.material.static_friction <= kMostFriction,
+               name, "dynamic_friction must be 0 to static_friction");
+  require_part(is_within(to.material.viscous_friction, 0.0, kStiffest), name,
+               "viscous_friction must be 0 or more");
+  require_part(from.object <= 0xFFFF, name, "object must be below 65536");
   to.anchor = to.point;
   return to;
 }
 
 /// Throws std::invalid_argument if the hand has no simulator.
 OpenHand& with_simulator(fw_hand* hand) {
-  require(hand->object->meets_simulator(),
-          "the hand is in a scene of a server: open it by fw_hand_open_world()");
+  require_call(hand->object->meets_simulator(),
+               "the hand is in a scene of a server: open it by fw_hand_open_world()");
   return *hand->object;
 }
 
@@ -113,7 +118,8 @@ void require_stated(const OpenHand& hand, double stiffness, const std::string& n
 }
 
 std::int32_t give(OpenHand& hand, const SimulatorContact& contact, double time) {
-  require(time >= 0.0, "time must be fw_tick.time of the pose that the physics used, 0 or more");
+  require_call(time >= 0.0,
+               "time must be fw_tick.time of the pose that the physics used, 0 or more");
   if (hand.over().is_set()) return FW_ENDED;
   return hand.touch(contact, time) ? FW_OK : FW_NOTHING;
 }
@@ -138,8 +144,8 @@ void fw_wrench_default(fw_wrench* wrench, std::uint32_t struct_size) {
 std::int32_t fw_hand_open_world(const fw_world_options* options, fw_hand** hand) {
   return open_handle(hand, "hand", [&] {
     const fw_world_options given = read_struct(options, usual_world(), "world_options");
-    require(vector(given.start_position).norm() < kFarthest,
-            "world_options.start_position is not a number, or farther than 1 km away");
+    require_call(vector(given.start_position).norm() < kFarthest,
+                 "world_options.start_position is not a number, or farther than 1 km away");
     const SimulatorScene scene{.stiffness = given.stiffness,
                                .start_position = vector(given.start_position),
                                .start_normal = vector(given.start_normal)};
@@ -152,11 +158,11 @@ std::int32_t fw_hand_touch(fw_hand* hand, double time, double reach, const fw_pa
   if (!is_open(hand)) return not_open("hand");
   return guarded([&] {
     OpenHand& open = with_simulator(hand);
-    require(reach > 0.0 && reach <= kLongestReach, "reach must be above 0 and at most 1 m");
-    require(count <= kMaxPatches,
-            "count must be at most 3: give the nearest patches, and a shorter reach");
-    require(count == 0 || (patches != nullptr && is_size(struct_size)),
-            "patches is null, or struct_size is not the size of one");
+    require_call(reach > 0.0 && reach <= kLongestReach, "reach must be above 0 and at most 1 m");
+    require_call(count <= kMaxPatches,
+                 "count must be at most 3: give the nearest patches, and a shorter reach");
+    require_call(count == 0 || (patches != nullptr && is_size(struct_size)),
+                 "patches is null, or struct_size is not the size of one");
     SimulatorContact contact;
     contact.modelled = true;
     contact.model.reach = reach;
@@ -182,12 +188,12 @@ std::int32_t fw_hand_push(fw_hand* hand, const fw_wrench* wrench) {
     contact.command.elastic = vector(given.force);
     contact.command.torque = vector(given.torque);
     contact.stiffness = given.stiffness;
-    require(contact.command.elastic.norm() < kMostForce,
-            "wrench.force is not a number, or above 10 kN");
-    require(contact.command.torque.norm() < kMostForce,
-            "wrench.torque is not a number, or above 10 kN m");
-    require(given.stiffness == 0.0 || is_within(given.stiffness, kSoftest, kStiffest),
-            "wrench.stiffness must be 0, or 1e-3 to 1e9 N/m");
+    require_call(contact.command.elastic.norm() < kMostForce,
+                 "wrench.force is not a number, or above 10 kN");
+    require_call(contact.command.torque.norm() < kMostForce,
+                 "wrench.torque is not a number, or above 10 kN m");
+    require_call(given.stiffness == 0.0 || is_within(given.stiffness, kSoftest, kStiffest),
+                 "wrench.stiffness must be 0, or 1e-3 to 1e9 N/m");
     require_stated(open, given.stiffness, "wrench");
     return give(open, contact, given.time);
   });

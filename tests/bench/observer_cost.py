@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures what an observer of 16 hands costs a program, in Python and in C: observer_cost.py BUILD_FOLDER
+"""Measures what an observer of 16 hands costs a program, in Python and in C, and the calls of a hand in C: observer_cost.py BUILD_FOLDER
 
 It prints the share of a core of a Python program that reads all hands 60 times a second, and the shortest mean time of a call.
 """

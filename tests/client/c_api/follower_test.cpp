@@ -14,6 +14,7 @@
 
 #include "client/c_api/feltwire.h"
 #include "tests/client/c_api/c_api_server.hpp"
+#include "tests/client/c_api/heap_uses.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace feltwire::c_api_test {
@@ -172,6 +173,26 @@ class FollowerApi : public ::testing::Test {
   ApiServer server_{scene_with_seat(), {token_.token}};
   std::string token_file_ = server_.write_token("robot", token_);
 };
+
+// A real-time thread may call these.
+TEST_F(FollowerApi, StatesAndTargetsAreExchangedWithoutTheHeap) {
+#ifdef FELTWIRE_SANITIZED
+  GTEST_SKIP() << "sanitizers allocate";
+#endif
+  fw_follower* follower = follow();
+  ASSERT_NE(follower, nullptr);
+  fw_robot_state state;
+  fw_robot_state_default(&state, sizeof state);
+  fw_robot_target target{};
+  const auto exchange = [&] {
+    return fw_follower_exchange(follower, &state, &target, sizeof target);
+  };
+  test::eventually("a target", [&] { return exchange() == FW_OK; });
+  EXPECT_EQ(test::uses_of_heap(exchange), 0u);
+  EXPECT_EQ(
+      test::uses_of_heap([&] { return fw_follower_latest(follower, &target, sizeof target); }), 0u);
+  EXPECT_EQ(fw_follower_close(follower), FW_OK) << fw_last_error();
+}
 
 TEST_F(FollowerApi, TheRobotFollowsAndTheHandFeelsItsWall) {
   fw_follower* follower = follow();

@@ -13,6 +13,7 @@
 #include "client/c_api/offsets.h"
 #include "core/base/latest_value.hpp"
 #include "tests/client/c_api/c_api_server.hpp"
+#include "tests/client/c_api/heap_uses.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace feltwire::c_api_test {
@@ -160,6 +161,32 @@ TEST_F(CApi, AfterTheEndThereIsNoForce) {
   EXPECT_EQ(fw_hand_latest(hand, &tick, sizeof tick), FW_OK);
   for (const double force : tick.force) EXPECT_EQ(force, 0.0);
   EXPECT_EQ(fw_hand_close(hand), FW_OK) << fw_last_error();
+}
+
+/// A real-time thread may call these.
+TEST_F(CApi, AHandIsMovedAndReadWithoutTheHeap) {
+#ifdef FELTWIRE_SANITIZED
+  GTEST_SKIP() << "sanitizers allocate";
+#endif
+  const fw_hand_options given = caller_options();
+  fw_hand* hand = nullptr;
+  ASSERT_EQ(fw_hand_open(&given, &hand), FW_OK) << fw_last_error();
+  await_tick(hand);
+  const fw_pose pose = at(0.005);
+  fw_tick tick{};
+  std::array<fw_tick, 64> ticks{};
+  std::uint32_t count = 0;
+  EXPECT_EQ(test::uses_of_heap([&] { return fw_hand_exchange(hand, &pose, &tick, sizeof tick); }),
+            0u);
+  EXPECT_EQ(test::uses_of_heap([&] { return fw_hand_latest(hand, &tick, sizeof tick); }), 0u);
+  EXPECT_EQ(test::uses_of_heap([&] {
+              return fw_hand_ticks(hand, ticks.data(), sizeof tick, ticks.size(), &count);
+            }),
+            0u);
+  EXPECT_EQ(fw_hand_close(hand), FW_OK) << fw_last_error();
+  const std::size_t before = test::allocations();
+  fw_hand_open(nullptr, &hand);
+  EXPECT_GT(test::allocations(), before) << "the counter does not see the library";
 }
 
 /// --link of `more` stands before the socket of the library, too: nothing comes through this one.

@@ -14,6 +14,7 @@
 #include "client/c_api/feltwire.h"
 #include "core/base/latest_list.hpp"
 #include "tests/client/c_api/c_api_server.hpp"
+#include "tests/client/c_api/heap_uses.hpp"
 #include "tests/core/moving.hpp"
 #include "tests/support/eventually.hpp"
 
@@ -111,6 +112,21 @@ TEST(ObserverApi, SeesSixteenHands) {
   EXPECT_EQ(fw_observer_hands(observer, first.data(), sizeof(fw_seen_hand), 5, &count), FW_OK);
   EXPECT_EQ(count, 5u);
   EXPECT_EQ(first[4].number, seen[4].number);
+#ifndef FELTWIRE_SANITIZED  // which allocate
+  std::vector<fw_seen_hand> all(kHands);
+  std::vector<fw_seen_body> bodies(4);
+  fw_scene_state state{};
+  EXPECT_EQ(test::uses_of_heap([&] { return fw_observer_latest(observer, &state, sizeof state); }),
+            0u);
+  EXPECT_EQ(test::uses_of_heap([&] {
+              return fw_observer_hands(observer, all.data(), sizeof all[0], kHands, &count);
+            }),
+            0u);
+  EXPECT_EQ(test::uses_of_heap([&] {
+              return fw_observer_bodies(observer, bodies.data(), sizeof bodies[0], 4, &count);
+            }),
+            0u);
+#endif
   for (fw_hand* hand : hands) EXPECT_EQ(fw_hand_close(hand), FW_OK) << fw_last_error();
   test::eventually("all hands are gone", [&] { return hands_of(observer).empty(); });
   EXPECT_EQ(fw_observer_close(observer), FW_OK) << fw_last_error();

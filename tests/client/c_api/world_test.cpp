@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "client/c_api/feltwire.h"
+#include "tests/client/c_api/heap_uses.hpp"
 #include "tests/support/eventually.hpp"
 
 namespace feltwire::c_api_world_test {
@@ -127,6 +128,26 @@ TEST_F(CApiWorld, APushOfNineKilonewtonsGivesNoMoreThanTheLimit) {
     EXPECT_LE(most, kLimit + 1e-9) << "with a stiffness of " << stiffness;
     EXPECT_EQ(fw_hand_close(std::exchange(hand_, nullptr)), FW_OK) << fw_last_error();
   }
+}
+
+// These calls may be made from a real-time thread.
+TEST_F(CApiWorld, WhatTheHandTouchesIsToldWithoutTheHeap) {
+#ifdef FELTWIRE_SANITIZED
+  GTEST_SKIP() << "sanitizers allocate";
+#endif
+  open(options());
+  const std::array<fw_patch, 3> patches = {floor(), floor(), floor()};
+  fw_wrench wrench;
+  fw_wrench_default(&wrench, sizeof wrench);
+  EXPECT_EQ(test::uses_of_heap([&] {
+              return fw_hand_touch(hand_, tick().time, 0.1, patches.data(), sizeof(fw_patch), 3);
+            }),
+            0u);
+  EXPECT_EQ(test::uses_of_heap([&] {
+              wrench.time = tick().time;
+              return fw_hand_push(hand_, &wrench);
+            }),
+            0u);
 }
 
 TEST_F(CApiWorld, WrongPatchesAreNamed) {
