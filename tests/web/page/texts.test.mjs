@@ -111,6 +111,13 @@ test('the page has no text of its own', () => {
   assert.deepEqual([...page.matchAll(/ (?:title|aria-label|placeholder|alt)="[^"]*"/g)].map(([whole]) => whole), []);
 });
 
+test('no style has a text of its own', () => {
+  const styles = readdirSync(folder).filter((name) => name.endsWith('.css'));
+  assert.ok(styles.length > 0);
+  const found = styles.flatMap((name) => [...readFileSync(join(folder, name), 'utf8').matchAll(/content: *(["'])(.*?)\1/g)].map(([, , text]) => `${name}: ${text}`));
+  assert.deepEqual(found.filter((text) => /: .*\p{L}/u.test(text)), []);
+});
+
 test('no script has a text of its own', () => {
   const found = scripts.flatMap((name) => stringsOf(readFileSync(join(folder, 'src', name), 'utf8')).filter(isText).map(({text}) => `${name}: ${text}`));
   assert.deepEqual(found, []);

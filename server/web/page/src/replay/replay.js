@@ -23,6 +23,7 @@ export class Replay {
     this.colors = null;
     this.stale = true;
     this.last = 0;
+    document.body.dataset.drop = say('replay.drop');
     this.bar = new TimeBar(element('replay-bar'), (time) => this.seek(time));
     element('open-recording').onclick = () => element('recording-files').click();
     element('replay-choose').onclick = () => element('recording-files').click();
