@@ -144,7 +144,7 @@ test('the pointer seeks on the bar and in the plots', async () => {
   await open(recording('taps'));
   const bar = await page.locator('#replay-bar').boundingBox();
   await page.mouse.click(bar.x + bar.width / 2, bar.y + 10);
-  await until(() => window.feltwire().replay.drawn && window.feltwire().replay.time > 0);  // a plot is clicked where it was drawn
+  await until(() => window.feltwire().replay.drawn && window.feltwire().replay.time > 0.4 * window.feltwire().replay.to);  // a plot is clicked where it was drawn
   const {time, to} = await state();
   assert.ok(Math.abs(time - to / 2) < 0.02 * to, `${time} of ${to}`);
   const plot = await page.locator('.stage .u-over').first().boundingBox();
@@ -160,6 +160,50 @@ test('an observer\'s recording has the hands of the scene', async () => {
   assert.equal(stage.shown.length, 1);
   assert.ok(stage.shown[0] > 0);
   assert.ok(Math.hypot(...stage.first.held) > 0.01);
+});
+
+test('a recording of a server begins where a hand is, and lists what happened', async () => {
+  await open(recording('room'));
+  await until(() => window.feltwire().replay.drawn && window.feltwire().replay.time > 0);
+  const {time, stages: [stage]} = await state();
+  assert.ok(time > 0.9, `${time} s: an observer was there alone before`);
+  assert.ok(stage.first);
+  const texts = stage.marks.map(({text}) => text);
+  for (const session of [1, 2, 3, 4]) for (const how of ['begins', 'ends']) assert.ok(texts.includes(`session ${session} ${how}`), `session ${session} ${how}: ${texts}`);
+  assert.deepEqual(texts.slice(0, 2), ['session 1 begins', 'session 1 ends']);
+  assert.ok(stage.marks.every((mark, i) => i === 0 || mark.time >= stage.marks[i - 1].time));
+  const last = stage.marks.at(-1);
+  await page.selectOption('.stage [data-part="marks"]', {index: stage.marks.length});
+  await until((wanted) => window.feltwire().replay.drawn && window.feltwire().replay.time === wanted, last.time);
+  await page.focus('#replay-bar');
+  await page.keyboard.press(',');
+  await until((wanted) => window.feltwire().replay.time === wanted, stage.marks.findLast((mark) => mark.time < last.time - 1e-6).time);
+});
+
+/** A recording with metadata as a program writes them with fw_recorder_mark(). */
+async function withMarks(name, marks) {
+  const [{McapFile}, {McapWriter}] = await Promise.all(['replay/mcap.js', 'mcap_writer.js'].map((script) => import(`../page/src/${script}`)));
+  const mcap = await McapFile.open(new File([readFileSync(join(recordings, `${name}.mcap`))], name));
+  const writer = new McapWriter('test');
+  const ids = new Map([...mcap.channels].map(([id, topic]) => [id, writer.addChannel(0, topic, 'protobuf')]));
+  for (const [text, seconds] of marks) writer.addMetadata('mark', {text, time: seconds === null ? 'now' : String(mcap.chunks[0].from + BigInt(1e9 * seconds))});
+  for (const chunk of mcap.chunks) {
+    const records = Buffer.from(await mcap.read(chunk));
+    for (let at = 0; at < records.length; at += 9 + Number(records.readBigUInt64LE(at + 1))) {
+      if (records[at] !== 5) continue;
+      writer.write(ids.get(records.readUInt16LE(at + 9)), records.readBigUInt64LE(at + 15), records.subarray(at + 31, at + 9 + Number(records.readBigUInt64LE(at + 1))));
+    }
+  }
+  return Buffer.concat(writer.finish());
+}
+
+test('moments that a program marked are listed, by the index and without it', async () => {
+  const whole = await withMarks('taps', [['grasped', 1.5], ['no time', null], ['let go', 0.5]]);
+  for (const [name, buffer] of [['whole.mcap', whole], ['cut.mcap', whole.subarray(0, whole.length - 20)]]) {
+    await open({name, mimeType: '', buffer});
+    assert.deepEqual((await state()).stages[0].marks, [{time: 0.5, text: 'let go'}, {time: 1.5, text: 'grasped'}], name);
+    assert.deepEqual(await page.locator('.stage [data-part="marks"] option').allTextContents(), ['2 marks', '0:00.500 let go', '0:01.500 grasped']);
+  }
 });
 
 test('a cut file is shown up to where it was cut', async () => {

@@ -30,6 +30,13 @@ export function duration(seconds) {
   return seconds < 7200 ? number(seconds / 60, 0, 'min') : number(seconds / 3600, 1, 'h');
 }
 
+/** 75.1234 is 1:15.123. @param {number} seconds */
+export function clock(seconds) {
+  const size = Math.round(1000 * Math.abs(seconds));
+  const rest = ((size % 60000) / 1000).toFixed(3).padStart(6, '0');
+  return `${seconds < 0 && size > 0 ? '−' : ''}${Math.floor(size / 60000)}:${rest}`;
+}
+
 /** @param {number} metres a length of the scene, such as a grid's step */
 export function distance(metres) {
   if (metres < 0.01) return `${+(1000 * metres).toPrecision(3)} mm`;

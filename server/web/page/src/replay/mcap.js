@@ -12,6 +12,7 @@ const FOOTER = HEAD + 20;
 const PAGE = 1 << 15;  // [bytes] that are read at once while searching
 const MOST = {record: 2 ** 28, chunk: 2 ** 26, summary: 2 ** 26};  // [bytes] that a file may ask for
 const NAMED = new Map([['feltwire', 'about'], ['scene', 'scene']]);  // metadata records that are kept, and where
+const MARK = 'mark';  // metadata records of moments that a program marked
 const CONVERT = 'mcap compress --compression zstd';
 
 /** What is wrong with a recording, where, and what to do. */
@@ -50,6 +51,7 @@ export class McapFile {
     this.chunks = [];
     this.about = {};  // values of the metadata record "feltwire"
     this.scene = null;  // of the metadata record "scene"
+    this.marks = [];  // {time, text} [ns since 1970] of the metadata records "mark"
     this.cutAt = null;  // byte at which a file without an end was cut
     this.troubles = [];  // sentences on what could not be read
   }
@@ -125,7 +127,7 @@ export class McapFile {
     } catch (error) {
       if (!(error instanceof RecordingError || error instanceof RangeError)) throw error;
       this.troubles.push(error instanceof RangeError ? new RecordingError(this.file.name, start, say('file.summary.field')).message : error.message);
-      this.chunks = [];
+      [this.chunks, this.marks] = [[], []];
       return false;
     }
   }
@@ -156,7 +158,8 @@ export class McapFile {
 
   async #followMetadata(content, at) {
     const [place, length] = [content.u64(), content.u64()];
-    if (!NAMED.has(content.text())) return;
+    const name = content.text();
+    if (!NAMED.has(name) && name !== MARK) return;
     if (place + length > this.file.size || length > MOST.summary) this.fail(at, say('file.metadata.impossible'));
     const record = new Cursor(await this.slice(place, place + length));
     if (record.u8() !== OP.metadata) this.fail(place, say('file.metadata'));
@@ -165,8 +168,12 @@ export class McapFile {
   }
 
   #takeMetadata(content) {
-    const member = NAMED.get(content.text());
+    const name = content.text();
+    const member = NAMED.get(name);
     if (member) this[member] = content.map();
+    if (name !== MARK) return;
+    const {time, text} = content.map();
+    if (text !== undefined && /^\d{1,19}$/.test(time)) this.marks.push({time: BigInt(time), text});
   }
 
   /** Also of channels that stand within a chunk. @param {Cursor} content */

@@ -6,6 +6,7 @@ import {ACCOUNT, askedForce, ROW} from './tables.js';
 import {classOf, CLASSES} from './reasons.js';
 
 const PARTS = 1000;  // at most
+const MARKS = 1000;  // at most
 const PER_SECOND = 40;  // a part is longer than the time between two pictures
 
 export class Overview {
@@ -23,6 +24,7 @@ export class Overview {
     this.high = [-Infinity, -Infinity, -Infinity];
     this.hands = new Set();  // numbers of /scene/picture
     this.ownHand = false;
+    this.marks = recording.marks.slice(0, MARKS);  // {time, text}
     this.done = 0;  // chunks
     this.stopped = false;
   }
@@ -56,12 +58,12 @@ export class Overview {
   }
 
   #take(segment) {
-    const {own, accounts} = segment;
-    let watches = false;
+    const {own, accounts, watches} = segment;
+    this.marks.push(...segment.marks.slice(0, MARKS - this.marks.length));
+    this.marks.sort((a, b) => a.time - b.time);
     for (let i = 0; i < accounts.count; ++i) {
       const row = i * ACCOUNT.size;
       const reason = accounts.rows[row + ACCOUNT.reason];
-      watches ||= reason === 1;
       this.reasons.set(reason, (this.reasons.get(reason) ?? 0) + 1);
       this.classes[this.partOf(accounts.times[i]) * CLASSES.length + classOf(reason, accounts.rows[row + ACCOUNT.cut])] += 1;
     }

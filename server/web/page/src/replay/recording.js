@@ -32,6 +32,7 @@ export class Recording {
     this.chunks = mcap.chunks.map((chunk) => ({
       ...chunk, begin: Number(chunk.from - this.start) / 1e9, end: Number(chunk.to - this.start) / 1e9, segment: null, failed: false, reading: null, shown: false,
     }));
+    this.marks = mcap.marks.map(({time, text}) => ({time: Number(time - this.start) / 1e9, text}));  // of the program that recorded
     this.troubles = [...mcap.troubles];
     if (mcap.cutAt !== null) {
       this.troubles.push(say('file.cut', {file: this.name, at: mcap.cutAt}));
@@ -44,6 +45,16 @@ export class Recording {
   /** Chunks that have messages between two times. */
   between(from, to) {
     return this.chunks.filter((chunk) => chunk.begin <= to && chunk.end >= from);
+  }
+
+  /** @returns {Promise<number>} [s] when the first hand is there; 0: there is none. Reads chunks from the beginning until then. */
+  async begin() {
+    for (const chunk of this.chunks) {
+      const segment = await this.read(chunk);
+      const times = segment ? segment.handTables().filter(({count}) => count > 0).map(({times: [first]}) => first) : [];
+      if (times.length > 0) return Math.min(...times);
+    }
+    return 0;
   }
 
   /**

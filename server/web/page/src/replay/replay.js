@@ -2,6 +2,7 @@
 
 import {say} from '../language.js';
 import {bindKeys} from '../panels.js';
+import {clock} from '../words.js';
 import {CLASSES} from './reasons.js';
 import {Recording} from './recording.js';
 import {Stage} from './stage.js';
@@ -88,6 +89,19 @@ export class Replay {
     entry.stage.begin(this.colors);
     if (this.stages.length === 1) this.time = 0;
     this.#arrange();
+    if (this.stages.length === 1) this.#begin(entry);
+  }
+
+  /** Goes to the first hand, unless the user has gone elsewhere by then. */
+  async #begin({stage, offset}) {
+    const time = await stage.recording.begin();
+    if (this.time === 0 && !this.playing && this.stages[0]?.stage === stage) this.seek(time + offset);
+  }
+
+  /** @param {1 | -1} step to the next mark of any recording, or the one before */
+  #goToMark(step) {
+    const times = this.stages.flatMap(({stage, offset}) => stage.overview.marks.map(({time}) => time + offset)).filter((time) => step * (time - this.time) > 1e-6);
+    if (times.length > 0) this.seek(step > 0 ? Math.min(...times) : Math.max(...times));
   }
 
   #close(entry) {
@@ -160,7 +174,7 @@ export class Replay {
     const stages = this.stages.map(({stage, offset}) => ({
       name: stage.recording.name, offset, duration: stage.recording.duration, hands: stage.hands(), shown: stage.shown, whole: stage.whole,
       read: stage.overview.done === stage.recording.chunks.length, first: stage.firstHand(), troubles: stage.recording.troubles, longestArrow: stage.view.hands.longest,
-      points: stage.plots.points, kept: stage.recording.kept, frames: stage.view.frames, bodies: stage.recording.scene ? stage.view.objects?.bodies.size ?? 0 : stage.bodies.size,
+      points: stage.plots.points, kept: stage.recording.kept, marks: stage.overview.marks, frames: stage.view.frames, bodies: stage.recording.scene ? stage.view.objects?.bodies.size ?? 0 : stage.bodies.size,
       solids: stage.view.objects?.sizes().length ?? 0,
     }));
     const drawn = !this.stale && this.stages.every(({stage}) => stage.whole);  // What is drawn is the present time, with all that is recorded of it.
@@ -231,6 +245,7 @@ export class Replay {
       }},
       {keys: ['PageUp', 'PageDown'], shown: say('keys.pages'), text: say('keys.ten'), act: (key) => this.seek(this.time + (key === 'PageUp' ? -10 : 10))},
       {keys: ['Home', 'End'], shown: say('keys.ends'), text: say('keys.begin'), act: (key) => this.seek(key === 'Home' ? this.from : this.to)},
+      {keys: [',', '.'], shown: ', .', text: say('keys.marks'), act: (key) => this.#goToMark(key === '.' ? 1 : -1)},
       {keys: ['[', ']'], shown: '[ ]', text: say('keys.speed'), act: (key) => chooseSpeed(key === '[' ? -1 : 1)},
       {keys: ['r'], text: say('keys.repeat'), act: () => element('replay-loop').click()},
       {keys: ['n', 'p'], shown: 'n, p', text: say('keys.hands'), act: (key) => this.stages.forEach(({stage}) => stage.chooseNext(key === 'n' ? 1 : -1))},
@@ -250,13 +265,6 @@ function legendItem(name, text, color) {
   mark.style.background = `var(--${color})`;
   item.append(mark, name);
   return item;
-}
-
-/** 75.1234 is 1:15.123. */
-function clock(seconds) {
-  const size = Math.round(1000 * Math.abs(seconds));
-  const rest = ((size % 60000) / 1000).toFixed(3).padStart(6, '0');
-  return `${seconds < 0 && size > 0 ? '−' : ''}${Math.floor(size / 60000)}:${rest}`;
 }
 
 function complain(text) {

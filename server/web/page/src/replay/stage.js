@@ -46,6 +46,10 @@ export class Stage {
     this.part('about').textContent = aboutText(recording);
     this.part('close').onclick = on.close;
     this.part('next').onclick = () => this.chooseNext(1);
+    this.part('marks').onchange = ({target}) => {
+      on.seek(this.overview.marks[target.selectedIndex - 1].time);
+      target.selectedIndex = 0;
+    };
   }
 
   /** After the root is in the page. @param {object} colors of the theme */
@@ -59,6 +63,7 @@ export class Stage {
     this.paint(colors);
     this.overview.run(() => {
       this.#fit();
+      this.#listMarks();
       this.on.news();
     });
   }
@@ -155,6 +160,14 @@ export class Stage {
     }
     if (isNew || !this.view.objects) this.#setScene();
     return new Map([...bodies].map(([name, {pose}]) => [this.bodies.get(name).index, pose]));
+  }
+
+  #listMarks() {
+    const {marks} = this.overview;
+    const list = this.part('marks');
+    list.hidden = marks.length === 0;
+    if (list.length === marks.length + 1) return;
+    list.replaceChildren(new Option(say('replay.marks', {count: marks.length})), ...marks.map(({time, text}) => new Option(`${words.clock(time)} ${text}`)));
   }
 
   /** The box is where hands were, so far as is known. */

@@ -3,11 +3,13 @@
 import {say} from '../language.js';
 import {Cursor} from './bytes.js';
 import {Fields} from './protobuf.js';
+import {OBSERVER} from './reasons.js';
 
 const MESSAGE = 5;
 const CHANNEL = 4;
 /** [s] What was not recorded for longer is not there. */
 export const FRESH = 0.2;
+const MARKED = new Map([[1, 'join'], [2, 'parameters'], [5, 'end'], [6, 'reload'], [7, 'change']]);  // kinds of feltwire.Event
 const PER_NEWTON = 0.01;  // [m] of a recorded picture's arrow
 
 /** Places in a row of a hand. Vectors have three numbers, the quaternion (w, x, y, z) four. World frame, SI units; NaN: not known. */
@@ -70,11 +72,24 @@ export class Segment {
     this.own = new Table(ROW.size);  // the hand of the client that recorded
     this.accounts = new Table(ACCOUNT.size);
     this.hands = new Map();  // number -> Table, of /scene/hands where the file has it, else of /scene/picture
+    this.marks = [];  // {time, text}: of /scene/events, those that people ask for
     this.pictures = [];  // {time, bytes}: /scene/picture, for the bodies
     this.transforms = [];  // likewise: /scene/transforms
     this.geometry = null;  // bytes: the last /scene/geometry
     this.kept = 0;  // [bytes] of the chunk that the pictures hold
     this.used = 0;
+  }
+
+  /** Whether the client that recorded only watched. */
+  get watches() {
+    const {count, rows} = this.accounts;
+    for (let i = 0; i < count; ++i) if (rows[i * ACCOUNT.size + ACCOUNT.reason] === OBSERVER) return true;
+    return false;
+  }
+
+  /** @returns {Table[]} of all hands */
+  handTables() {
+    return [...(this.watches ? [] : [this.own]), ...this.hands.values()];
   }
 
   get bytes() {
@@ -124,6 +139,7 @@ function take(segment, topic, time, view, at, end, live) {
     segment.pictures.push({time, bytes: part()});
     if (!live) takeHands(segment.hands, time, new Fields(view, at, end));
   }
+  if (topic === '/scene/events') takeEvent(segment.marks, time, new Fields(view, at, end));
   if (topic === '/scene/hands') takeLiveHands(segment.hands, time, new Fields(view, at, end));
   if (topic === '/scene/transforms') segment.transforms.push({time, bytes: part()});
   if (topic === '/scene/geometry') segment.geometry = part();
@@ -165,6 +181,16 @@ function takeAccount(table, time, fields) {
     if (fields.number === 3) rows[row + ACCOUNT.cut] = fields.value;
     if (fields.number === 4) rows[row + ACCOUNT.reason] = fields.value;
   }
+}
+
+function takeEvent(marks, time, event) {
+  let [kind, number] = [0, 0];
+  while (event.next()) {
+    if (event.number === 3) kind = event.value;
+    if (event.number === 5) number = event.value;
+  }
+  const name = MARKED.get(kind);
+  if (name) marks.push({time, text: say(`mark.${name}`, {number})});
 }
 
 /** The hands of a picture: entities "hand N", a sphere each, and an arrow where there is force. */

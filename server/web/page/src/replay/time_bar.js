@@ -4,6 +4,7 @@ import {CLASSES} from './reasons.js';
 
 const ROW = 40;  // [pixels] of one recording
 const STRIP = 7;  // [pixels] of it for the reasons
+const FLAG = 5;  // [pixels] of a mark
 const EDGE = 6;  // [pixels] left and right of the times
 
 export class TimeBar {
@@ -50,6 +51,16 @@ export class TimeBar {
     context.fillRect(Math.round(x(time)) - 1, 0, 2, height);
   }
 
+  /** A flag at each moment that is marked. */
+  #drawMarks(context, marks, offset, top, x) {
+    context.fillStyle = this.colors.guide;
+    for (const {time} of marks) {
+      const left = Math.round(x(offset + time));
+      context.fillRect(left, top, 1, ROW);
+      context.fillRect(left, top, FLAG, FLAG);
+    }
+  }
+
   #drawRow(context, {overview, offset}, top, x, most) {
     const {colors} = this;
     const [parts, {duration}] = [overview.parts, overview.recording];
@@ -57,6 +68,7 @@ export class TimeBar {
     const tall = base - top - 3;
     context.fillStyle = colors.grid;
     context.fillRect(x(offset), base, x(offset + duration) - x(offset), 1);
+    this.#drawMarks(context, overview.marks, offset, top, x);
     for (let part = 0; part < parts; ++part) {
       const left = x(offset + (duration * part) / parts);
       const width = Math.max(x(offset + (duration * (part + 1)) / parts) - left + 0.5, 1);
