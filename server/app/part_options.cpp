@@ -9,8 +9,11 @@
 #include <thread>
 
 #include "protocol/net/busy_poll.hpp"
+#include "protocol/net/clock.hpp"
 #include "protocol/net/udp_socket.hpp"
 #include "protocol/session/profiles.hpp"
+#include "server/web/foxglove_scene.hpp"
+#include "server/web/page_messages.hpp"
 
 namespace feltwire {
 
@@ -66,6 +69,19 @@ void warn_of_spinning(Nanoseconds busy_poll, std::size_t scenes) {
         scenes, cores);
 }
 
+namespace {
+
+/// Describes a scene as the live page shows it, and records it itself.
+SceneToShow scene_to_show(const Scene& scene) {
+  constexpr std::uint32_t kVersion = 1;  // in a file there is no other
+  web::FoxgloveScene shown(clock_offset());
+  shown.set(scene, kVersion, monotonic_now());
+  return {.message = web::scene_text(scene, kVersion),
+          .geometry = std::string(shown.topic(web::FoxgloveChannel::geometry).payload.text())};
+}
+
+}  // namespace
+
 RecorderOptions recorder_options(const ServerConfig& config) {
   AskedRecordingOptions asked;
   asked.folder = config.recording.folder;
@@ -75,7 +91,8 @@ RecorderOptions recorder_options(const ServerConfig& config) {
   return {.file = config.recording.file,
           .limits = {config.recording.max_mib, config.recording.max_seconds},
           .flight_folder = config.recording.flight_folder,
-          .asked = asked};
+          .asked = asked,
+          .describe = scene_to_show};
 }
 
 }  // namespace feltwire

@@ -110,7 +110,7 @@ struct Server::Parts {
       options.socket = sockets[i].release();
       if (recorder != nullptr) options.events = &recorder->log(i);
       hosts.push_back(std::make_unique<SceneHost>(std::move(scenes[i]), options));
-      if (recorder != nullptr) recorder->see(i, hosts[i]->recorded_pictures());
+      if (recorder != nullptr) recorder->see(i, hosts[i]->recorded_pictures(), hosts[i].get());
     }
     if (!config.metrics.empty()) open_metrics(config, security);
     if (!config.web.empty()) open_page(config, std::move(security), hands);

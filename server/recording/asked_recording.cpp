@@ -79,8 +79,12 @@ std::optional<Refused> AskedRecording::start(Nanoseconds now) {
     file_ = next_dated_file(kRecordings, options_.folder, name_,
                             static_cast<std::uint64_t>(now.count() + offset_));
     recording_ = std::make_unique<SceneRecording>(
-        SceneRecordingTarget{file_, {}, about_recording(scene_), kRecordings.option}, nullptr,
-        offset_);
+        SceneRecordingTarget{file_,
+                             {},
+                             about_recording(scene_),
+                             kRecordings.option,
+                             options_.shown ? options_.shown() : SceneToShow{}},
+        nullptr, offset_);
   } catch (const std::exception& error) {
     spdlog::error("scene {}: no recording: {}", scene_, error.what());
     return Refused{RefusalCode::failed,

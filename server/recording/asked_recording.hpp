@@ -29,6 +29,7 @@ struct AskedRecordingOptions {
   std::uintmax_t least_room = std::uintmax_t{1} << 30;  // [bytes] that stay free on the disk
   std::function<std::optional<std::uintmax_t>(const std::filesystem::path& folder)> room =
       free_room;
+  std::function<SceneToShow()> shown = {};  // the present scene; empty: files have none to show
 };
 
 /// The recordings of one scene: one runs at most. All calls are on the recorder's thread.

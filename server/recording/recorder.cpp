@@ -52,14 +52,21 @@ Recorder::Recorder(const RecorderOptions& options, const std::vector<Scene>& sce
     if (!options.file.empty())
       scene.recording = std::make_unique<SceneRecording>(
           SceneRecordingTarget{recording_file(options.file, names, i), options.limits,
-                               about_recording(names[i])},
+                               about_recording(names[i]), "--record",
+                               options.describe ? options.describe(scenes[i]) : SceneToShow{}},
           scene.files.get(), offset);
     if (!options.flight_folder.empty())
       scene.flight = std::make_unique<FlightRecorder>(
           options.flight_folder, name_in_files(names[i], i), about_recording(names[i]), offset);
-    if (!options.asked.folder.empty())
-      scene.asked = std::make_unique<AskedRecording>(options.asked, names[i],
+    if (!options.asked.folder.empty()) {
+      AskedRecordingOptions asked = options.asked;
+      asked.shown = [&scene, describe = options.describe] {
+        if (!describe || scene.present == nullptr) return SceneToShow{};
+        return describe(*scene.present->current_scene().scene);
+      };
+      scene.asked = std::make_unique<AskedRecording>(std::move(asked), names[i],
                                                      name_in_files(names[i], i), offset);
+    }
   }
 }
 

@@ -14,6 +14,7 @@
 
 #include "core/scene/scene.hpp"
 #include "protocol/wire/control.hpp"
+#include "server/picture/scene_in_view.hpp"
 #include "server/recording/asked_recording.hpp"
 #include "server/recording/flight_recorder.hpp"
 #include "server/recording/scene_recording.hpp"
@@ -25,6 +26,9 @@ struct RecorderOptions {
   RecordingLimits limits{};
   std::filesystem::path flight_folder = {};  // for flight records; empty: none is written
   AskedRecordingOptions asked = {};          // recordings that admins start
+  /// Describes a scene for the page's replay. It may take some 10 ms. Empty: files have no such
+  /// description.
+  std::function<SceneToShow(const Scene& scene)> describe = {};
   bool any() const { return !file.empty() || !flight_folder.empty() || !asked.folder.empty(); }
 };
 
@@ -48,9 +52,13 @@ class Recorder {
 
   /// The event log of the scene at this index. It lives as long as the recorder.
   EventLog& log(std::size_t scene) { return scenes_[scene]->log; }
-  /// Gives the source of the scene's pictures. It must outlive the recorder's thread. Call it
-  /// before start().
-  void see(std::size_t scene, PictureExchange& pictures) { scenes_[scene]->pictures = &pictures; }
+  /// Gives the source of the scene's pictures, and the scene as it is when an admin starts a
+  /// recording (null: such files do not describe it). Both must outlive the recorder's thread. Call
+  /// it before start().
+  void see(std::size_t scene, PictureExchange& pictures, const SceneInView* present = nullptr) {
+    scenes_[scene]->pictures = &pictures;
+    scenes_[scene]->present = present;
+  }
 
   void start();
   /// Writes the rest and joins the thread. Call it after the scenes' threads have ended. May be
@@ -81,6 +89,7 @@ class Recorder {
     std::shared_ptr<const CapturedFiles> files;  // of the first version of the scene
     EventLog log;
     PictureExchange* pictures = nullptr;
+    const SceneInView* present = nullptr;
     Picture picture;
     std::unique_ptr<SceneRecording> recording;  // null: none, or it failed
     std::unique_ptr<FlightRecorder> flight;     // null: none

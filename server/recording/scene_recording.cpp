@@ -44,11 +44,14 @@ SceneRecording::Part::Part(const SceneRecordingTarget& target, int number)
       writer({.library = "feltwire " + version()}) {
   events = writer.add(
       mcap::Channel{writer.add(event_schema()), "/scene/events", std::string(kProtobuf)});
-  pictures = writer.add(
-      mcap::Channel{writer.add(picture_schema()), "/scene/picture", std::string(kProtobuf)});
+  const std::uint16_t update = writer.add(picture_schema());
+  pictures = writer.add(mcap::Channel{update, "/scene/picture", std::string(kProtobuf)});
   auto about = target.about;
   about["part"] = std::to_string(number);
   writer.add(mcap::Metadata{"feltwire", about});
+  if (target.shown.message.empty()) return;
+  geometry = writer.add(mcap::Channel{update, "/scene/geometry", std::string(kProtobuf)});
+  writer.add(mcap::Metadata{"scene", {{"message", target.shown.message}}});
 }
 
 SceneRecording::SceneRecording(SceneRecordingTarget target, const CapturedFiles* files,
@@ -60,12 +63,21 @@ SceneRecording::SceneRecording(SceneRecordingTarget target, const CapturedFiles*
 
 mcap::Writer& SceneRecording::part_for(std::uint64_t time) {
   const bool begun = part_->writer.messages() > 0;
-  if (begun && target_.limits.reached(part_->writer.size(), time - std::min(time, part_start_))) {
+  if (begun && target_.limits.reached(part_->writer.size() - part_->begun,
+                                      time - std::min(time, part_start_))) {
     finish();
     part_ = std::make_unique<Part>(target_, ++number_);
   }
-  if (part_->writer.messages() == 0) part_start_ = time;
+  if (part_->writer.messages() == 0) begin_part(time);
   return part_->writer;
+}
+
+void SceneRecording::begin_part(std::uint64_t time) {
+  part_start_ = time;
+  if (target_.shown.message.empty()) return;
+  part_->writer.write(part_->geometry, time, target_.shown.geometry);
+  part_->writer.end_chunk();
+  part_->begun = part_->writer.size();
 }
 
 void SceneRecording::add(const SceneEvent& event, const CapturedFiles* files) {
@@ -75,6 +87,7 @@ void SceneRecording::add(const SceneEvent& event, const CapturedFiles* files) {
   message_.clear();
   append_event(message_, event);
   writer.write(part_->events, time, message_);
+  if (event.kind == EventKind::reload) target_.shown = {};
 }
 
 void SceneRecording::see(const Picture& picture) {

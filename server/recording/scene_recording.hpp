@@ -17,12 +17,19 @@
 
 namespace feltwire {
 
+/// A scene as the live page shows it, so that a replay on the page draws it.
+struct SceneToShow {
+  std::string message{};   // the page's message `scene`, JSON; empty: the file has none
+  std::string geometry{};  // a foxglove.SceneUpdate with the triangles of its objects
+};
+
 /// The file of a scene's recording, and its metadata of the server.
 struct SceneRecordingTarget {
   std::filesystem::path file;
   RecordingLimits limits{};
   std::map<std::string, std::string> about{};
   std::string option = "--record";  // that named the file
+  SceneToShow shown{};              // a reload ends it: files that begin later have none
 };
 
 /// Returns the metadata: the server, the version and the build that computed the recording.
@@ -58,9 +65,11 @@ class SceneRecording {
     void flush() { file.append(writer.take()); }
     AppendedFile file;
     mcap::Writer writer;
-    std::uint16_t events = 0, pictures = 0;  // channels
+    std::uint16_t events = 0, pictures = 0, geometry = 0;  // channels
+    std::uint64_t begun = 0;  // [bytes] of the file with the scene, which counts for no limit
   };
   mcap::Writer& part_for(std::uint64_t time);
+  void begin_part(std::uint64_t time);
 
   SceneRecordingTarget target_;
   std::int64_t offset_;

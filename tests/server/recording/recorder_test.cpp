@@ -40,7 +40,7 @@ struct Served {
     host_options.limits.sample_rate = 1e6;
     host_options.events = &recorder.log(0);
     host = std::make_unique<SceneHost>(std::move(loaded.front()), host_options);
-    recorder.see(0, host->recorded_pictures());
+    recorder.see(0, host->recorded_pictures(), host.get());
     host->start();
     recorder.start();
     host->ask(test::join_request(), kId, test::keys(kId), io, [](const control::Message&) {});
@@ -79,6 +79,59 @@ std::size_t messages_of(const std::filesystem::path& file, const std::string& to
   while (const auto message = reader.next())
     count += reader.channels().at(message->channel).topic == topic ? 1 : 0;
   return count;
+}
+
+/// The metadata record `scene` of a file, and its messages of /scene/geometry.
+struct Shown {
+  std::string message, geometry;
+  bool operator==(const Shown&) const = default;
+};
+Shown shown_in(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  mcap::Reader reader(in, file.string());
+  Shown shown;
+  while (const auto message = reader.next())
+    if (reader.channels().at(message->channel).topic == "/scene/geometry")
+      shown.geometry += message->data;
+  for (const mcap::Metadata& metadata : reader.metadata())
+    if (metadata.name == "scene") shown.message = metadata.values.at("message");
+  return shown;
+}
+
+TEST(Recorder, EachFileDescribesTheSceneUntilAReload) {
+  const testing::TemporaryFolder folder;
+  SceneRecording recording({.file = folder / "room.mcap",
+                            .limits = {.seconds = 1.0},
+                            .shown = {.message = "message", .geometry = "triangles"}},
+                           nullptr, 0);
+  const auto add = [&](int second, EventKind kind) {
+    recording.add({.kind = kind, .time = std::chrono::seconds(second)});
+  };
+  add(1, EventKind::join);
+  add(3, EventKind::reload);
+  add(5, EventKind::tick);
+  recording.finish();
+  EXPECT_EQ(shown_in(folder / "room-0001.mcap"), (Shown{"message", "triangles"}));
+  EXPECT_EQ(shown_in(folder / "room-0002.mcap"), (Shown{"message", "triangles"}));
+  EXPECT_EQ(shown_in(folder / "room-0003.mcap"), Shown{});
+}
+
+/// A large scene does not make a file of each message.
+TEST(Recorder, TheDescriptionOfTheSceneCountsForNoLimit) {
+  const testing::TemporaryFolder folder;
+  std::string triangles(std::size_t{1} << 20, ' ');
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    triangles[i] = static_cast<char>(i * i * i >> 7);  // It is not small when it is compressed.
+  SceneRecording recording({.file = folder / "room.mcap",
+                            .limits = {.mebibytes = 0.01},
+                            .shown = {.message = "message", .geometry = triangles}},
+                           nullptr, 0);
+  for (int second = 1; second < 4; ++second)
+    recording.add({.kind = EventKind::tick, .time = std::chrono::seconds(second)});
+  recording.finish();
+  EXPECT_GT(std::filesystem::file_size(folder / "room-0001.mcap"), std::size_t{20'000});
+  EXPECT_EQ(messages_of(folder / "room-0001.mcap", "/scene/events"), 3u);
+  EXPECT_FALSE(std::filesystem::exists(folder / "room-0002.mcap"));
 }
 
 TEST(Recorder, ServedSceneIsReplayedBitEqual) {
@@ -145,7 +198,9 @@ TEST(Recorder, ARecordingThatAnAdminStartsHasWhatFollows) {
   const testing::TemporaryFolder folder;
   AskedRecordingOptions asked;
   asked.folder = folder / "recordings";
-  Served served({.asked = asked});
+  Served served({.asked = asked, .describe = [](const Scene& scene) {
+                   return SceneToShow{scene.name(), "triangles"};
+                 }});
   served.exchange(kSamples);
   EXPECT_EQ(recordings(served, control::RecordingAction::look).running, "");
   const auto begun = recordings(served, control::RecordingAction::start);
@@ -157,6 +212,7 @@ TEST(Recorder, ARecordingThatAnAdminStartsHasWhatFollows) {
   const std::size_t events = messages_of(asked.folder / ended.kept[0].name, "/scene/events");
   EXPECT_GE(events, kSamples);
   EXPECT_LT(events, 2 * kSamples);
+  EXPECT_EQ(shown_in(asked.folder / ended.kept[0].name), (Shown{"room", "triangles"}));
 }
 
 /// A file with an index and an end is complete.

@@ -98,6 +98,8 @@ test('an admin records at the server: the file is saved, read by the laboratory,
   await page.goto('about:blank');
   await page.goto(`${address}#token=${readFileSync(join(state, 'admin.token'), 'utf8').trim()}`);
   await until(() => window.feltwire?.().hands.length === 1 && window.feltwire().longestArrow > 0);
+  const {bodies, solids} = await page.evaluate(() => window.feltwire());
+  assert.ok(bodies > 0 && solids.length > 0);
   await page.click('#admin-open');
   await page.click('#admin-scene-tab');
   await page.click('#server-record');
@@ -118,4 +120,6 @@ test('an admin records at the server: the file is saved, read by the laboratory,
   const {stages: [stage]} = (await page.evaluate(() => window.feltwire())).replay;
   assert.deepEqual([stage.hands, stage.troubles], [[1], []]);
   assert.ok(stage.duration > 2, `${stage.duration} s`);
+  assert.deepEqual([stage.bodies, stage.solids], [bodies, solids.length]);  // The scene is in the file.
+  assert.ok(stage.bodyPlaces.every(({at}) => Math.hypot(...at) > 1e-6), JSON.stringify(stage.bodyPlaces));
 });

@@ -175,6 +175,7 @@ export class Replay {
       name: stage.recording.name, offset, duration: stage.recording.duration, hands: stage.hands(), shown: stage.shown, whole: stage.whole,
       read: stage.overview.done === stage.recording.chunks.length, first: stage.firstHand(), troubles: stage.recording.troubles, longestArrow: stage.view.hands.longest,
       points: stage.plots.points, kept: stage.recording.kept, marks: stage.overview.marks, frames: stage.view.frames, bodies: stage.recording.scene ? stage.view.objects?.bodies.size ?? 0 : stage.bodies.size,
+      bodyPlaces: stage.view.objects?.places() ?? [],
       solids: stage.view.objects?.sizes().length ?? 0,
     }));
     const drawn = !this.stale && this.stages.every(({stage}) => stage.whole);  // What is drawn is the present time, with all that is recorded of it.

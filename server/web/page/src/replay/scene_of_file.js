@@ -1,7 +1,8 @@
-// The scene in a recording of the live page: its description, the triangles of its objects, and where they were.
+// The scene in a recording of the live page or of a server: its description, the triangles of its objects, and where they were.
 
 import {say} from '../language.js';
 import {Quaternion, Vector3} from 'three';
+import {bodiesAt} from './bodies.js';
 import {Fields} from './protobuf.js';
 import {FRESH, readPose} from './tables.js';
 
@@ -74,6 +75,7 @@ function readTriangles(list) {
  */
 export function placesAt(segments, time) {
   const places = new Map();
+  for (const [name, {pose}] of bodiesAt(segments, time)) if (BODY.test(name)) places.set(Number(BODY.exec(name)[1]), pose);  // A server's file has no transforms.
   for (const {transforms} of segments) {
     for (const {time: at, bytes} of transforms) {
       if (at > time || at < time - FRESH) continue;
