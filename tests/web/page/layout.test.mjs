@@ -71,8 +71,22 @@ test('long names lose their middle, and are whole on hover', async () => {
   server.play.names = [long];
   await until(() => /…/.test(document.querySelector('tbody td:nth-child(2)').textContent));
   const cell = page.locator('tbody td:nth-child(2)');
-  assert.equal(await cell.textContent(), 'laboratory-…station-17');
   assert.equal(await cell.getAttribute('title'), long);
+  for (const width of [1000, 1360, 1920]) {
+    await page.setViewportSize({width, height: 860});
+    await until((wanted) => {  // as long as the column is wide: two more letters would not fit
+      const box = document.querySelector('tbody td:nth-child(2)');
+      const text = document.createRange();
+      text.selectNodeContents(box);
+      const spare = box.clientWidth - 16 - text.getBoundingClientRect().width;
+      return innerWidth === wanted && spare >= 0 && spare < 22;
+    }, width);
+    const [begin, end] = (await cell.textContent()).split('…');
+    assert.ok(long.startsWith(begin) && long.endsWith(end) && Math.abs(begin.length - end.length) <= 1, `${begin}…${end}`);
+    const cut = await page.evaluate(() => [...document.querySelectorAll('tbody td')].filter((box) => box.scrollWidth > box.clientWidth).map((box) => box.textContent));
+    assert.deepEqual(cut, [], `${width} px`);
+    assert.equal(await cell.evaluate((box) => getComputedStyle(box).textOverflow), 'clip');
+  }
   await until((name) => document.querySelector('#chosen').title === `${name}, hand 1`, long);
   await until(() => /…/.test(document.querySelector('#labels .chosen').textContent));
 });

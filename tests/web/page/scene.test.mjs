@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {TOKEN} from './mock_server.mjs';
-import {cupShape, gridShape} from './play.mjs';
+import {boxShape, cupShape, gridShape} from './play.mjs';
 import {hold, newPage, newServer, open, page, pixels, press, server, state, until} from './page_fixture.mjs';
 
 test('nothing is drawn before there is a scene', async () => {
@@ -76,6 +76,31 @@ test('tools and local models are drawn', async () => {
   await until(() => window.feltwire().surfaces === 1);
   server.play.modelled = false;
   await until(() => window.feltwire().surfaces === 0);
+});
+
+test('a contact has the normal of the surface that the hand touches, else the direction of its elastic force', async () => {
+  await newServer({hands: 2});
+  const touching = ({contacts}) => [1, 2].map((number) => contacts.filter((contact) => contact.number === number));
+  await open();
+  await until(() => window.feltwire().surfaces === 1 && [1, 2].every((number) => window.feltwire().contacts.some((contact) => contact.number === number)));
+  await hold();
+  const [modelled, plain] = touching(await state());
+  assert.equal(modelled.length, 1);
+  assert.deepEqual(modelled[0].normal, [0, 0, 1]);
+  assert.ok(Math.abs(modelled[0].at[2]) < 1e-6, `${modelled[0].at}`);  // on the floor
+  assert.equal(plain.length, 1);
+  assert.ok(Math.abs(Math.hypot(...plain[0].normal) - 1) < 1e-5 && Math.abs(plain[0].normal[2] - Math.cos(0.5)) < 1e-5, `${plain[0].normal}`);  // on the ball
+  await press(' ');
+  server.play.still = true;
+  await until(() => window.feltwire().contacts.length === 0);
+});
+
+test('edges of objects are drawn, also of one that moves, and round ones have none', async () => {
+  await newServer({hands: 1, bodies: 3});
+  server.play.shapes.find(({index}) => index === 2).shape = boxShape([0.02, 0.02, 0.02]);
+  await open();
+  await until(() => window.feltwire().bodies === 3 && window.feltwire().edges.length > 1);
+  assert.deepEqual((await state()).edges, [{index: 1, segments: 12}, {index: 2, segments: 12}]);
 });
 
 test('a mesh and a grid that move are drawn where the picture says', async () => {

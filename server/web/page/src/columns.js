@@ -3,7 +3,6 @@
 import {say} from './language.js';
 import * as words from './words.js';
 
-const NAME_MOST = 22;  // letters of a name that are shown
 const count = (value) => (value ?? '–').toLocaleString('en');
 
 /** Names of the reasons that take force off a hand now. */
@@ -12,12 +11,12 @@ const bounds = (hand, reasons) => [...new Set(hand?.activeReasons().map((bit) =>
 
 /**
  * `id`: what the browser keeps a choice by. `wide`: [letters] at least. `rank`: the lower, the longer it stays in a narrow table. `write`: how a session's value is shown; `value`: what
- * it is sorted by, if that is not what is shown; `text`: stands at the left, and is shown in full on hover.
+ * it is sorted by, if that is not what is shown; `text`: stands at the left, loses its middle where the column is narrow, and is shown in full on hover.
  */
 export const COLUMNS = [
   {id: 'hand', name: say('column.hand'), hint: say('column.hand.hint'), wide: 9, rank: 0, write: (s) => `${s.number}`, value: (s) => s.number},
-  {id: 'client', name: say('column.client'), hint: say('column.client.hint'), wide: 13, rank: 1, text: true, write: (s) => words.middle(s.client ?? '–', NAME_MOST), full: (s) => s.client ?? ''},
-  {id: 'device', name: say('column.device'), hint: '', wide: 11, rank: 6, text: true, write: (s) => words.middle(s.device ?? '–', NAME_MOST), full: (s) => s.device ?? ''},
+  {id: 'client', name: say('column.client'), hint: say('column.client.hint'), wide: 13, rank: 1, text: true, write: (s) => s.client ?? '–'},
+  {id: 'device', name: say('column.device'), hint: '', wide: 11, rank: 6, text: true, write: (s) => s.device ?? '–'},
   {id: 'force', name: say('column.force'), hint: say('column.force.hint'), wide: 10, rank: 2, write: (s, hand) => (hand ? words.force(hand.rendered) : '–'), value: (s, hand) => hand?.rendered},
   {id: 'bounds', name: say('column.bounds'), hint: say('column.bounds.hint'), wide: 19, rank: 3, text: true, write: (s, hand, reasons) => bounds(hand, reasons) || '–'},
   {id: 'trip', name: say('column.trip'), hint: say('column.trip.hint'), wide: 11, rank: 4, write: (s) => words.number(s.round_trip_ms, 1, 'ms'), value: (s) => s.round_trip_ms},

@@ -6,6 +6,7 @@ import {AT, length3} from './messages.js';
 import {Pool} from './pool.js';
 import {Trails} from './trails.js';
 
+const NORMAL = 34;  // [px] of the line along the normal of a contact
 const TOUCH = 1e-3;  // [N] from which a hand counts as touching
 
 // A pen whose tip is at the origin and whose body is along z, in pixels.
@@ -29,17 +30,19 @@ export class HandView {
     this.rods = new Pool(rodShape, flat(1), this.group, 4);
     this.tips = new Pool(ball, flat(1), this.group, 8);
     this.proxies = new Pool(ball, flat(0.85), this.group, 4);
+    this.normals = new Pool(rodShape, flat(1), this.group, 8);  // Before the arrow of an elastic force, which has the same direction.
     this.arrows = {
       rendered: new Arrows(this.group, {width: 10, opacity: 0.45, order: 5}),
       elastic: new Arrows(this.group, {width: 4.5, opacity: 1, order: 6}),
       friction: new Arrows(this.group, {width: 4.5, opacity: 1, order: 7}),
     };
-    this.pools = [this.discs, this.pens, this.rods, this.tips, this.proxies, ...Object.values(this.arrows)];
+    this.pools = [this.discs, this.pens, this.rods, this.tips, this.proxies, this.normals, ...Object.values(this.arrows)];
     this.trails = new Trails();
     this.group.add(this.trails.mesh);
     this.colors = {};
     this.longest = 0;  // [m] of all arrows of the last picture, as drawn
     this.strongest = 0;  // [N] of their forces
+    this.contacts = [];  // {number, at, normal} of the last picture: number of the hand, [m], and of length 1
   }
 
   /** @param {{ink: string, muted: string, chosen: string, elastic: string, friction: string, rendered: string}} colors */
@@ -48,18 +51,21 @@ export class HandView {
     this.discs.material.color.set(colors.elastic);
     this.rods.material.color.set(colors.ink);
     this.proxies.material.color.set(colors.muted);
+    this.normals.material.color.set(colors.ink);
     this.trails.paint(colors);
     for (const [kind, arrows] of Object.entries(this.arrows)) arrows.material.color.set(colors[kind]);
   }
 
   /**
    * @param {import('./messages.js').Picture} picture
-   * @param {{chosen: number | null, perNewton: number, depthFactor: number, pixel: number, tools: import('./tools.js').Tools}} how
+   * @param {{chosen: number | null, perNewton: number, depthFactor: number, pixel: number, tools: import('./tools.js').Tools,
+   *   surfaces: import('./surfaces.js').Surfaces}} how
    *   perNewton in metres, pixel in metres
    */
   show(picture, how) {
     for (const pool of this.pools) pool.clear();
     this.longest = this.strongest = 0;
+    this.contacts = [];
     for (let i = 0; i < picture.hands; ++i) this.#showHand(picture, picture.handAt(i), how);
     for (const pool of this.pools) pool.done();
   }
@@ -73,6 +79,14 @@ export class HandView {
       entry.at = at + AT.proxy;
       return entry;
     });
+  }
+
+  /** A disc in the surface, and a line along its normal. */
+  #showContact(number, place, direction, pixel) {
+    turn.setFromUnitVectors(up, direction);
+    this.discs.add(place, turn, scale.setScalar(18 * pixel));
+    this.normals.addAlong(place, vector.copy(direction).multiplyScalar(NORMAL * pixel), 0.7 * pixel);
+    this.contacts.push({number, at: place.toArray(), normal: direction.toArray()});
   }
 
   #showHand(picture, at, how) {
@@ -90,9 +104,10 @@ export class HandView {
     }
     if (length3(floats, at + AT.elastic) > TOUCH) {
       this.proxies.add(proxy, still, scale.setScalar(3.5 * pixel));
-      normal.fromArray(floats, at + AT.elastic).normalize();
-      turn.setFromUnitVectors(up, normal);
-      this.discs.add(proxy, turn, scale.setScalar(18 * pixel));
+      const number = picture.words[at + AT.number];
+      const show = (place, direction) => this.#showContact(number, place, direction, pixel);
+      // Without a local model the page knows no surface. An elastic force is along its normal.
+      if (how.surfaces.touching(number, show) === 0) show(proxy, normal.fromArray(floats, at + AT.elastic).normalize());
     }
     for (const kind of ['rendered', 'elastic', 'friction']) {
       vector.fromArray(floats, at + AT[kind]);

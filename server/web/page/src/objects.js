@@ -1,8 +1,8 @@
 // The objects of the scene: those at rest, those that move (few draw calls for all), planes and guides.
 
 import {
-  BackSide, BatchedMesh, BufferAttribute, BufferGeometry, Color, CurvePath, DoubleSide, Group, InstancedMesh, LineCurve3,
-  Matrix4, Mesh, MeshLambertMaterial, Quaternion, SphereGeometry, TubeGeometry, Vector3,
+  BackSide, BatchedMesh, BufferAttribute, BufferGeometry, Color, CurvePath, DoubleSide, EdgesGeometry, Group, InstancedMesh,
+  LineBasicMaterial, LineCurve3, LineSegments, Matrix4, Mesh, MeshLambertMaterial, Quaternion, SphereGeometry, TubeGeometry, Vector3,
 } from 'three';
 import {withNormals} from './creases.js';
 import {makeFloor} from './floor.js';
@@ -10,6 +10,8 @@ import {BODY_AT} from './messages.js';
 
 // Tones of objects, in turns: quiet, so that the arrows stand out.
 const TONES = [[0.62, 0.65, 0.7], [0.72, 0.63, 0.53], [0.58, 0.67, 0.6], [0.68, 0.6, 0.66], [0.56, 0.65, 0.72], [0.7, 0.67, 0.54]];
+const CREASE = 35;  // [deg] between two faces from which the edge between them is drawn, so that depth is seen
+const EDGED = {corners: 60_000, bodies: 64};  // An object with more has no edges, as bodies have none where there are more.
 const MANY = 4;  // objects of one shape from which they are drawn together
 
 /** All objects of one version of a scene. */
@@ -34,6 +36,8 @@ export class Objects {
     this.bodies = new Map();  // object index -> where it is drawn: an instance of a mesh
     this.meshes = [];  // of all moving objects
     this.changed = false;
+    this.edges = new Map();  // object index -> lines
+    this.edge = new LineBasicMaterial();
   }
 
   /** @param {{index: number, version: number, positions: Float32Array, corners: Uint32Array}} geometry */
@@ -45,6 +49,7 @@ export class Objects {
       mesh.setColorAt(0, colorOf(object));
       this.still.push({index: geometry.index, geometry: mesh.geometry});
       this.group.add(mesh);
+      this.#addEdges(geometry.index, mesh.geometry);
       return;
     }
     const key = shapeKey(geometry);
@@ -65,6 +70,10 @@ export class Objects {
       const q = at + BODY_AT.orientation;
       turn.set(floats[q + 1], floats[q + 2], floats[q + 3], floats[q]);
       body.mesh.setMatrixAt(body.instance, matrix.compose(position, turn, one));
+      const lines = this.edges.get(words[at + BODY_AT.index]);
+      if (!lines) continue;
+      lines.matrix.copy(matrix);
+      lines.matrixWorldNeedsUpdate = lines.visible = true;
     }
     for (const mesh of this.meshes) if (mesh.instanceMatrix) mesh.instanceMatrix.needsUpdate = true;
   }
@@ -76,6 +85,7 @@ export class Objects {
       plane.material.uniforms.line.value.set(colors.line);
     }
     for (const guide of this.guides) guide.material.color.set(colors.guide);
+    this.edge.color.set(colors.muted);
   }
 
   /** @returns {{index: number, triangles: number, low: number[], high: number[]}[]} of the objects that have triangles and do not move */
@@ -95,6 +105,11 @@ export class Objects {
     });
   }
 
+  /** @returns {{index: number, segments: number}[]} of the objects whose edges are drawn */
+  edgeCounts() {
+    return [...this.edges].filter(([, {visible}]) => visible).map(([index, {geometry}]) => ({index, segments: geometry.attributes.position.count / 2}));
+  }
+
   dispose() {
     this.group.traverse((node) => {
       node.geometry?.dispose();
@@ -112,6 +127,7 @@ export class Objects {
       mesh.dispose();
     }
     this.bodies.clear();
+    for (const index of this.moving.keys()) this.#removeEdges(index);
     const alike = new Map();  // shape -> indices of its objects
     for (const [index, shape] of this.moving) {
       if (!alike.has(shape)) alike.set(shape, []);
@@ -123,6 +139,30 @@ export class Objects {
     if (others.length > 0) this.meshes.push(this.#makeBatch(others));
     for (const mesh of this.meshes) mesh.frustumCulled = false;
     this.group.add(...this.meshes);
+    if (this.moving.size > EDGED.bodies) return;
+    for (const [index, shape] of this.moving) {
+      const lines = this.#addEdges(index, shape);
+      if (lines) lines.visible = lines.matrixAutoUpdate = false;  // Until a picture says where it is.
+    }
+  }
+
+  /** @returns {LineSegments | null} null: the object has no edges */
+  #addEdges(index, shape) {
+    if (shape.index.count > EDGED.corners) return null;
+    const geometry = new EdgesGeometry(shape, CREASE);
+    if (geometry.attributes.position.count === 0) return null;
+    const lines = new LineSegments(geometry, this.edge);
+    this.edges.set(index, lines);
+    this.group.add(lines);
+    return lines;
+  }
+
+  #removeEdges(index) {
+    const lines = this.edges.get(index);
+    if (!lines) return;
+    this.edges.delete(index);
+    this.group.remove(lines);
+    lines.geometry.dispose();
   }
 
   /** Objects of one shape. */
@@ -164,7 +204,9 @@ const matrix = new Matrix4();
 const nowhere = new Matrix4().makeScale(0, 0, 0);
 
 // An object felt from within, such as a room, is drawn as seen from within: near walls do not hide its content.
-const makeMaterial = (object) => new MeshLambertMaterial({side: object?.felt_from === 'inside' ? BackSide : DoubleSide});
+const makeMaterial = (object) => new MeshLambertMaterial({
+  side: object?.felt_from === 'inside' ? BackSide : DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,  // Edges lie before faces.
+});
 
 function colorOf(object) {
   return new Color().setRGB(...TONES[object.index % TONES.length], 'srgb');

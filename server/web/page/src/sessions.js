@@ -4,8 +4,10 @@ import {COLUMNS, columnsThatFit, compare} from './columns.js';
 import {make} from './elements.js';
 import {forGood} from './kept.js';
 import {say} from './language.js';
+import {fitting} from './words.js';
 
 const KEY = 'feltwire-columns';
+const EDGES = 17;  // [px] beside the text of a cell
 const LETTER = 7.6;  // [px]
 const SORT_PERIOD = 2000;  // [ms] in which values may change their order before rows do
 const CARD = 80;  // [letters] of columns that a card has unless the user chooses
@@ -25,6 +27,9 @@ export class Sessions {
     this.choose = choose;
     this.table = table;
     this.rows = new Map();
+    this.pen = document.createElement('canvas').getContext('2d');  // for the widths of texts
+    this.fonts = {plain: '', bold: ''};
+    this.widths = COLUMNS.map(() => 0);  // [px]
     this.sessions = new Map();
     this.reasons = [];  // of the server's hello
     this.chosenColumns = keptColumns();
@@ -63,17 +68,27 @@ export class Sessions {
       const row = this.rows.get(number) ?? this.#makeRow(number);
       row.setAttribute('aria-selected', String(number === chosen));
       const session = this.sessions.get(number) ?? {number};
-      COLUMNS.forEach(({write, full, text}, i) => {
+      COLUMNS.forEach(({write, text}, i) => {
         const written = write(session, hands.get(number), this.reasons);
         const cell = row.cells[i];
-        if (cell.textContent === written) return;
-        cell.textContent = written;
-        if (text) cell.title = full?.(session) ?? written;
+        const bold = number === chosen;
+        if (cell.written === written && (!text || cell.bold === bold)) return;
+        [cell.written, cell.bold] = [written, bold];
+        if (text) this.#cut(cell, i);
+        else cell.textContent = written;
       });
     }
     const idle = !this.body.matches(':hover') && !this.body.contains(document.activeElement);
     if (this.rows.size > before || (idle && performance.now() - this.sortedAt > SORT_PERIOD)) this.#sort(hands);
     this.hands = hands;
+  }
+
+  /** Writes a text as far as the column has room. */
+  #cut(cell, column) {
+    const room = this.cards.matches ? Infinity : this.widths[column] - EDGES;
+    this.pen.font = cell.bold ? this.fonts.bold : this.fonts.plain;
+    cell.textContent = fitting(cell.written, room, (text) => this.pen.measureText(text).width);
+    cell.title = cell.written;
   }
 
   #sort(hands) {
@@ -134,6 +149,11 @@ export class Sessions {
       this.boxes[i].checked = this.shown[i];
     });
     for (const row of this.rows.values()) this.#hideCells(row);
+    const {fontSize, fontFamily} = getComputedStyle(this.table);
+    this.fonts = {plain: `${fontSize} ${fontFamily}`, bold: `600 ${fontSize} ${fontFamily}`};
+    const width = Math.max(this.table.parentElement.clientWidth, Math.floor(wide * LETTER));
+    this.widths = COLUMNS.map((column) => (width * column.wide) / wide);
+    for (const row of this.rows.values()) [...row.cells].forEach((cell, i) => COLUMNS[i].text && cell.written !== undefined && this.#cut(cell, i));
   }
 
   #hideCells(row) {

@@ -56,6 +56,21 @@ export class Surfaces {
     if (this.age > OLD) this.count = 0;
   }
 
+  /**
+   * Calls `each` with the point and the normal of every surface that a hand touches; the next call has the same two vectors.
+   * @param {number} number of the hand @param {(point: Vector3, normal: Vector3) => void} each @returns {number} how many these are
+   */
+  touching(number, each) {
+    let found = 0;
+    for (let i = 0; i < this.count; ++i) {
+      const at = HEADER_WORDS + PATCH_WORDS * i;
+      if (this.words[at + AT.hand] !== number || !(this.words[at + AT.flags] & 1)) continue;
+      each(point.fromArray(this.floats, at + AT.point), normal.fromArray(this.floats, at + AT.normal));
+      found += 1;
+    }
+    return found;
+  }
+
   /** Writes all patches anew. @param {number | null} chosen hand, whose patches stand out */
   show(chosen) {
     this.mesh.visible = this.shown && this.count > 0;

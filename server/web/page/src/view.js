@@ -147,7 +147,7 @@ export class View {
 
   /** The first picture has the objects, the hands and their forces. What needs more shaders comes with the next frame. */
   #renderFirst() {
-    const later = [this.surfaces.mesh, this.hands.trails.mesh, this.hands.discs.mesh].filter(({visible}) => visible);
+    const later = [this.surfaces.mesh, this.hands.trails.mesh, this.hands.discs.mesh, ...this.objects?.edges.values() ?? []].filter(({visible}) => visible);
     for (const mesh of later) mesh.visible = false;
     this.draw();
     for (const mesh of later) mesh.visible = true;
@@ -307,7 +307,7 @@ export class View {
   }
 
   #how() {
-    return {chosen: this.chosen, perNewton: this.perNewton, depthFactor: this.depthFactor, pixel: this.pixel, tools: this.tools};
+    return {chosen: this.chosen, perNewton: this.perNewton, depthFactor: this.depthFactor, pixel: this.pixel, tools: this.tools, surfaces: this.surfaces};
   }
 
   #indexOf(number) {

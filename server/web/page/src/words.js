@@ -58,6 +58,18 @@ export function stepped(value, steps) {
   return result;
 }
 
+/** @param {string} text @param {number} room @param {(text: string) => number} widthOf a text, in the units of `room` @returns {string} as much of the text as fits, without its middle */
+export function fitting(text, room, widthOf) {
+  if (widthOf(text) <= room) return text;
+  let [least, most] = [2, [...text].length];  // letters: what fits, and what does not
+  while (most - least > 1) {
+    const half = (least + most) >> 1;
+    if (widthOf(middle(text, half)) <= room) least = half;
+    else most = half;
+  }
+  return middle(text, least);
+}
+
 /** @param {string} text @param {number} most letters @returns {string} the text; a longer one without its middle, since names often differ at the end */
 export function middle(text, most) {
   const letters = [...text];
