@@ -22,6 +22,19 @@ const travels = (page, from, to) => page.waitForFunction(([least, most]) => {
   return times.length === 2 && times.every((time) => time >= least && time < most);
 }, [from, to]);
 
+/** The figure as a picture, once it has lines, and how many of its pixels are drawn. */
+async function drawn(page) {
+  const read = () => {
+    const canvas = document.querySelector('#tour canvas');
+    const {data} = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    let inked = 0;
+    for (let i = 0; i < data.length; i += 4) if (data[i + 3] > 100) inked += 1;
+    return {url: canvas.toDataURL(), inked};
+  };
+  await page.waitForFunction(() => window.feltwire().tour.rows > 60);
+  return page.evaluate(read);
+}
+
 const next = async (page) => {
   await page.locator('#tour .steps button').nth(1).focus();
   await page.keyboard.press('Enter');
@@ -34,23 +47,41 @@ test('each step changes the law or the delay of a hand, and measures it', async 
   await page.keyboard.press('w');
   await hasLaw(page, 'none');
   await page.waitForFunction(() => window.feltwire().tour.results['law.none']?.depth > 0);
+  const figures = [];  // of each step: what it draws, and its pixels
+  const keepFigure = async () => figures.push({panels: (await look(page)).figure.join(), picture: await drawn(page)});
+  await keepFigure();
   await next(page);
   await hasLaw(page, 'total_energy');
+  await keepFigure();
   for (const [place, mode] of [[1, 'per_axis'], [2, 'per_axis_projected']]) {
     await page.locator('#tour .choices button').nth(place).press('Enter');
     await hasLaw(page, mode);
     assert.equal(await page.locator('#tour .choices [aria-pressed=true]').textContent(), `Eq. ${place + 1}`);
+    await keepFigure();
   }
   await next(page);
   await hasLaw(page, 'shaped');
+  await page.waitForFunction(() => window.feltwire().tour.results['law.usual']?.depth > 0);
+  await keepFigure();
   assert.equal(await page.evaluate(() => document.activeElement.id), 'tour-title');  // A screen reader reads the new step.
   await next(page);
+  const {results} = await look(page);
+  assert.ok(results['law.none'].shakes > results['law.usual'].shakes, JSON.stringify(results));
   await page.waitForFunction(() => window.feltwire().own.state === 'free');
   await travels(page, 50, 90);
   await page.waitForFunction(() => window.feltwire().tour.results['hand.delay']?.depth > 0);
+  await keepFigure();
   await next(page);
   await travels(page, 100, 150);
   await page.waitForFunction(() => window.feltwire().tour.results['hand.model']?.depth > 0);
+  await keepFigure();
+  figures.forEach(({panels, picture}, i) => {
+    assert.ok(picture.inked > 200, `figure ${i}: ${picture.inked} pixels`);
+    figures.slice(0, i).forEach((other, k) => {
+      assert.notEqual(picture.url, other.picture.url, `figures ${k} and ${i}`);
+      if (!(k === 5 && i === 6)) assert.notEqual(panels, other.panels, `figures ${k} and ${i}`);  // Both have force over depth.
+    });
+  });
   assert.ok(await page.locator('#tour .steps button').nth(1).isDisabled());
   await page.keyboard.press('w');
   await travels(page, 0, 40);

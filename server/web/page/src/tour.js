@@ -2,7 +2,7 @@
 
 import {make} from './elements.js';
 import {say} from './language.js';
-import {drawFigure} from './tour_figure.js';
+import {drawFigure, FIGURES} from './tour_figure.js';
 import {lawName, STEPS, wallOf} from './tour_laws.js';
 import {pressAndSlide, Trace} from './tour_motion.js';
 import * as words from './words.js';
@@ -42,6 +42,7 @@ export class Tour {
     this.trace = new Trace(SECONDS);
     this.before = null;  // the trace of the step before
     this.results = new Map();  // name -> measured
+    this.kept = new Map();  // name -> the trace that was measured
     this.watched = null;
     this.written = 0;
   }
@@ -50,6 +51,7 @@ export class Tour {
   scene(scene) {
     this.wall = wallOf(scene);
     this.results.clear();
+    this.kept.clear();
     this.before = null;
     this.trace.clear();
     if (scene.name !== this.name) this.delayed.clear();  // After a reload the delays are still there, and are set back later.
@@ -105,7 +107,7 @@ export class Tour {
     if (STEPS[this.step].delay !== undefined) this.#watchDelayed(STEPS[this.step].delay);
     this.#measure(hand);
     this.#write();
-    if (this.colors) drawFigure(this.figure, this.colors, this.trace, this.before);
+    if (this.colors) drawFigure(this.figure, this.colors, this.#figureName(), (of) => ({now: this.trace, before: this.before}[of] ?? this.kept.get(of) ?? null));
   }
 
   /** The user moves the hand: the tour does not. */
@@ -115,7 +117,7 @@ export class Tour {
 
   /** For tests. */
   look() {
-    return {active: this.active, step: this.step, law: this.law, holds: this.holds, moves: this.moves, rows: this.trace.rows.length, delay: this.delay, results: Object.fromEntries(this.results)};
+    return {active: this.active, step: this.step, law: this.law, holds: this.holds, moves: this.moves, rows: this.trace.rows.length, figure: FIGURES[this.#figureName()].map(({title}) => title), delay: this.delay, results: Object.fromEntries(this.results)};
   }
 
   #build() {
@@ -249,6 +251,13 @@ export class Tour {
     const {depth, ...others} = this.trace.measured(this.since);
     // The scene asks a delayed hand for the force of an older place, and a hand that taps moves as fast as one that shakes.
     this.results.set(laws ? `law.${lawName(this.law)}` : `hand.${name}`, {depth, ...(laws && others)});
+    this.kept.set(laws ? lawName(this.law) : name, this.trace.copy());
+  }
+
+  /** Steps with several laws have a figure for each. */
+  #figureName() {
+    const {name, laws} = STEPS[this.step];
+    return laws?.length > 1 ? lawName(this.law ?? laws[0]) : name;
   }
 
   /** @returns {string} what keeps this step from acting; empty: nothing */
@@ -285,7 +294,7 @@ export class Tour {
     this.again.textContent = say('tour.again');
     this.auto.hidden = !(own.state === 'held' && this.law !== null);
     this.auto.setAttribute('aria-pressed', String(this.moves));
-    put(this.caption, say(`tour.${name}.caption`));
+    put(this.caption, say(laws?.length > 1 ? `tour.law.${this.#figureName()}.caption` : `tour.${name}.caption`));
     this.figure.setAttribute('aria-label', `${say('tour.figure')} ${this.caption.textContent}`);
     this.#writeTable();
   }

@@ -35,7 +35,7 @@ export class Trace {
   /** @param {number} seconds that are kept */
   constructor(seconds) {
     this.seconds = seconds;
-    this.rows = [];  // {time, depth, asked, held, off}
+    this.rows = [];  // {time, depth, shaking, asked, held, off, askedNormal, heldNormal, delivered}
   }
 
   get end() {
@@ -57,19 +57,32 @@ export class Trace {
     const size = length3(floats, AT.rendered);
     const cosine = dot(asked, held) / (hand.commanded * size);
     const off = hand.commanded > LEAST && size > LEAST ? (Math.acos(Math.min(Math.max(cosine, -1), 1)) * 180) / Math.PI : NaN;
-    this.rows.push({time, depth: -dot(normal, along(position, point, -1)), asked: hand.commanded, held: size, off, askedNormal: dot(asked, normal), heldNormal: dot(held, normal)});
+    this.rows.push({time, depth: -dot(normal, along(position, point, -1)), shaking: NaN, delivered: floats[AT.delivered], asked: hand.commanded, held: size, off, askedNormal: dot(asked, normal), heldNormal: dot(held, normal)});
+    this.#shake(this.rows.length - 1 - NEAR);
     while (this.span > this.seconds) this.rows.shift();
+  }
+
+  /** The shaking of a row is its depth without the mean of the rows about it. */
+  #shake(i) {
+    if (i < NEAR) return;
+    const around = this.rows.slice(i - NEAR, i + NEAR + 1);
+    this.rows[i].shaking = this.rows[i].depth - around.reduce((sum, {depth}) => sum + depth, 0) / around.length;
   }
 
   clear() {
     this.rows = [];
   }
 
+  /** @returns {Trace} which stays as it is */
+  copy() {
+    return Object.assign(new Trace(this.seconds), {rows: [...this.rows]});
+  }
+
   /** @param {number} from [s] @returns {{shakes: number, depth: number, share: number, off: number}} [m], [m] at most, of what is asked, [deg]; NaN: it touched nothing */
   measured(from) {
     const rows = this.rows.filter(({time}) => time >= from);
     const mean = (values) => values.reduce((sum, value) => sum + value, 0) / values.length;
-    const rest = rows.slice(NEAR, -NEAR).map(({depth}, i) => depth - mean(rows.slice(i, i + 2 * NEAR + 1).map((row) => row.depth)));
+    const rest = rows.map(({shaking}) => shaking).filter((value) => !Number.isNaN(value));
     const touching = rows.filter(({asked}) => asked > LEAST);
     return {
       shakes: Math.sqrt(mean(rest.map((value) => value * value))), depth: Math.max(...rows.map(({depth}) => depth), 0),
