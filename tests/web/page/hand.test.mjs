@@ -21,8 +21,11 @@ let page;
 let complaints;
 
 /** @param {string[]} more options @returns {Promise<void>} once the page is served */
-async function serve(...more) {
-  const options = ['--scene', process.env.FELTWIRE_TEST_SCENE, '--port', '0', '--web', '0', '--state', state, ...more];
+const serve = (...more) => serveScene(process.env.FELTWIRE_TEST_SCENE, ...more);
+
+/** @param {string} scene file @param {string[]} more options @returns {Promise<void>} once the page is served */
+async function serveScene(scene, ...more) {
+  const options = ['--scene', scene, '--port', '0', '--web', '0', '--state', state, ...more];
   served = spawn(server, options, {stdio: ['ignore', 'pipe', 'inherit']});
   for await (const line of createInterface({input: served.stdout})) {
     address = /^live page: (\S+)/.exec(line)?.[1];
@@ -120,6 +123,34 @@ test('a drag presses the hand on the floor, which it feels', async () => {
   await page.getByRole('button', {name: 'Let go'}).click();
   await until(() => window.feltwire().own.state === 'free' && window.feltwire().hands.length === 0);
   assert.match(await page.textContent('#own-state'), /let go: the page let go/);
+});
+
+test('a drag on a body brings the hand to it, and pushes it', async () => {
+  await serveScene(process.env.FELTWIRE_RECORDED_SCENE);
+  page = await open(readFileSync(join(state, 'local.token'), 'utf8').trim());
+  await take();
+  const box = (state) => state.bodyPlaces.reduce((near, body) => (away(body.at) < away(near.at) ? body : near));  // of scenes/workshop.json
+  const away = ([x, y]) => Math.hypot(x - 0.05, y + 0.03);
+  await until(() => window.feltwire().bodyPlaces.length > 4 && window.feltwire().bodyPlaces.every(({at}) => Math.hypot(...at) > 0));
+  const before = await page.evaluate(() => window.feltwire());
+  const {index, at, x, y} = box(before);
+  assert.ok(away(at) < 0.01, `${at}`);
+  const {left, top} = await page.locator('#canvas').boundingBox().then((area) => ({left: area.x, top: area.y}));
+  await page.mouse.move(left + x, top + y);
+  await page.mouse.down();
+  const {target} = await own();
+  assert.ok(Math.hypot(...target.map((value, axis) => value - at[axis])) < 0.03, `${target} is on the box at ${at}`);
+  const moved = ([number, from, least]) => {
+    const body = window.feltwire().bodyPlaces.find((found) => found.index === number);
+    return Math.hypot(...body.at.map((value, axis) => value - from[axis])) > least;
+  };
+  await until(() => window.feltwire().own.felt > 0.2);
+  await until(moved, [index, at, 0.001]);
+  for (let i = 1; i <= 12; ++i) await page.mouse.move(left + x + 4 * i, top + y);
+  const dragged = (await own()).target;
+  assert.ok(Math.hypot(...dragged.map((value, axis) => value - target[axis])) > 0.01);
+  assert.deepEqual((await page.evaluate(() => window.feltwire())).pose, before.pose, 'the camera stays');
+  await page.mouse.up();
 });
 
 test('it has the law that is chosen when it is taken', async () => {

@@ -387,7 +387,7 @@ requestAnimationFrame(step);
 /** What tests and a curious user read in the console: a copy, so that nothing can be changed by it. */
 window.feltwire = () => ({
   ...page, frames: view.frames, hands: hands.numbers(), longestArrow: view.hands.longest, perNewton: view.perNewton,
-  bodies: view.objects?.bodies.size ?? 0, bodyPlaces: view.objects?.places() ?? [], time: view.picture?.time ?? null, plotted: {points: plots.points, range: plots.window.range(plots.end), end: plots.end, tops: plots.panes.map(({plot}) => plot?.scales.y.max), gaps: [...plots.panes[0].plot?.data[1] ?? []].filter(Number.isNaN).length, last: plots.panes.map((pane) => pane.plot?.data.slice(1).map((column) => column.at?.(-1)))},
+  bodies: view.objects?.bodies.size ?? 0, bodyPlaces: view.bodyPlaces(), time: view.picture?.time ?? null, plotted: {points: plots.points, range: plots.window.range(plots.end), end: plots.end, tops: plots.panes.map(({plot}) => plot?.scales.y.max), gaps: [...plots.panes[0].plot?.data[1] ?? []].filter(Number.isNaN).length, last: plots.panes.map((pane) => pane.plot?.data.slice(1).map((column) => column.at?.(-1)))},
   places: view.places(), robots: view.robots.look(), surfaces: view.surfaces.mesh.visible ? view.surfaces.count : 0,
   strongest: view.strongest, contacts: view.hands.contacts, edges: view.objects?.edgeCounts() ?? [], viewHeight: view.pixel * view.height, axes: [view.origin, ...view.axisEnds.map(({point}) => point)].map((point) => view.projectPoint(point, {x: 0, y: 0, seen: false})), pose: view.pose,
   guides: view.objects?.guides.length ?? 0, trails: view.hands.trails.shown ? view.hands.trails.lengths() : [],

@@ -97,6 +97,20 @@ export class Objects {
     });
   }
 
+  /**
+   * The body that a ray meets first, unless what is at rest is before it.
+   * @param {import('three').Raycaster} ray @returns {{index: number, point: Vector3} | null}
+   */
+  bodyOn(ray) {
+    for (const mesh of this.meshes) mesh.boundingSphere = mesh.boundingBox = null;  // Else it is where bodies were.
+    const solid = this.group.children.filter((node) => node.isInstancedMesh || node.isBatchedMesh);
+    const [hit] = ray.intersectObjects(solid, false);
+    if (!hit || !this.meshes.includes(hit.object)) return null;
+    const instance = hit.instanceId ?? hit.batchId;
+    const [index] = [...this.bodies].find(([, body]) => body.mesh === hit.object && body.instance === instance);
+    return {index, point: hit.point};
+  }
+
   /** @returns {{index: number, triangles: number, at: number[]}[]} of the first few bodies that move: their origins as drawn */
   places() {
     return [...this.bodies].slice(0, 8).map(([index, {mesh, instance}]) => {

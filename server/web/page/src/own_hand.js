@@ -11,6 +11,7 @@ import * as words from './words.js';
 const SEND_PERIOD = 16;  // [ms] between targets that change
 const STAY_PERIOD = 120;  // [ms] between targets that do not: a hand that is told nothing for a second lets go
 const GRASP = 48;  // [pixels] from the hand or its target in which a drag moves it, not the camera
+const PRESS = 0.005;  // [m] below the surface of a body that is dragged: the hand presses so much, and its friction takes the body along
 const STEP = 0.001;  // [m] of an arrow key; ten times as much with Shift
 const WHEEL = 2e-5;  // [m] for a unit of the wheel, of which a notch has some 100
 const LINE = 33;  // units of the wheel, where it counts lines
@@ -225,9 +226,20 @@ export class OwnHand {
     return view.handAt(x, y, GRASP) === this.number && this.number !== null;
   }
 
+  /** Puts the target on the body under the pointer, a little below its surface. @returns {boolean} whether one is there that moves */
+  #goToBody(event) {
+    const {view, stage} = this.page;
+    const corner = stage.getBoundingClientRect();
+    const body = view.bodyAt(event.clientX - corner.left, event.clientY - corner.top);
+    if (!body) return false;
+    this.page.moved();
+    this.target.copy(body.point).addScaledVector(body.direction, PRESS);
+    return (this.moved = true);
+  }
+
   #down(event) {
     if (this.state !== 'held' || event.button !== 0) return;
-    if (this.pointers.size === 0 && !this.#near(event)) return;
+    if (this.pointers.size === 0 && !this.#near(event) && !this.#goToBody(event)) return;
     event.stopPropagation();
     event.preventDefault();
     this.page.view.canvas.focus();

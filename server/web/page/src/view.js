@@ -1,6 +1,6 @@
 // The 3D view: renderer, camera, objects and hands. z is up.
 
-import {AmbientLight, Color, DirectionalLight, PerspectiveCamera, Scene, Spherical, Vector3, WebGLRenderer} from 'three';
+import {AmbientLight, Color, DirectionalLight, PerspectiveCamera, Raycaster, Scene, Spherical, Vector2, Vector3, WebGLRenderer} from 'three';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 import {Arrows} from './arrows.js';
 import {makeContext} from './context.js';
@@ -265,6 +265,22 @@ export class View {
       found = this.picture.words[this.picture.handAt(i) + AT.number];
     }
     return found;
+  }
+
+  /** Where the first few bodies that move are drawn: in the world and on the canvas. For tests. */
+  bodyPlaces() {
+    return (this.objects?.places() ?? []).map((body) => ({...body, ...this.projectPoint(new Vector3(...body.at), {x: 0, y: 0, seen: false})}));
+  }
+
+  /**
+   * The moving body that is seen at a place of the canvas, and the ray to it.
+   * @returns {{index: number, point: Vector3, direction: Vector3} | null}
+   */
+  bodyAt(x, y) {
+    const ray = new Raycaster();
+    ray.setFromCamera(new Vector2((2 * x) / this.width - 1, 1 - (2 * y) / this.height), this.camera);
+    const body = this.objects?.bodyOn(ray);
+    return body ? {...body, direction: ray.ray.direction} : null;
   }
 
   /** @param {number | null} number of a hand @returns {number} its place in the picture; negative: it is not there */
