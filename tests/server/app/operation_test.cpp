@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <thread>
 
 #include "server/app/health.hpp"
@@ -27,6 +28,7 @@
 #include "tests/support/eventually.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/text_of.hpp"
+#include "tests/support/tls.hpp"
 
 namespace feltwire::operation_test {
 namespace {
@@ -153,6 +155,51 @@ TEST(Operation, CountersHaveAPortWithoutThePage) {
     answer.append(part.begin(), part.end());
   EXPECT_THAT(answer, StartsWith("HTTP/1.1 200 "));
   EXPECT_THAT(answer, HasSubstr("feltwire_sessions{scene=\"room\"} 0\n"));
+}
+
+/// Beyond this machine the counters need TLS and a token.
+TEST(Operation, ThePortOfTheCountersIsEncryptedBeyondThisMachine) {
+  ServerConfig config;
+  config.port = 0;
+  config.metrics = "0.0.0.0:0";
+  std::vector<Scene> scenes;
+  scenes.push_back(test::room());
+  Server server(config, std::move(scenes), test::security());
+  const std::string url = server.metrics_url();
+  ASSERT_THAT(url, StartsWith("https://"));
+  const auto port = static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)));
+  const test::TlsContext context = test::client_context();
+  const auto bytes = [](const std::string& text) {
+    return std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+  };
+  const auto asked = [&](const std::string& header) {
+    test::RawSocket socket(SOCK_STREAM, port);
+    test::TlsConnection scraper(context.get(), socket.descriptor());
+    EXPECT_TRUE(scraper.connect());
+    const std::string question =
+        "GET /metrics HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) + "\r\n" + header +
+        "\r\n";
+    EXPECT_TRUE(scraper.write(bytes(question)));
+    constexpr std::size_t kMost = std::size_t{1} << 20;  // It closes the connection before.
+    const auto answer = scraper.read(kMost);
+    return std::string(answer.begin(), answer.end());
+  };
+  const auto without = asked("");
+  EXPECT_THAT(without, StartsWith("HTTP/1.1 401 "));
+  EXPECT_THAT(without, ::testing::Not(HasSubstr("feltwire_sessions")));
+  EXPECT_THAT(asked("Authorization: Bearer fw_wrong\r\n"), StartsWith("HTTP/1.1 401 "));
+  const auto with =
+      asked("Authorization: Bearer " + std::string(test::admin_token().text.text()) + "\r\n");
+  EXPECT_THAT(with, StartsWith("HTTP/1.1 200 "));
+  EXPECT_THAT(with, HasSubstr("feltwire_sessions{scene=\"room\"} 0\n"));
+
+  test::RawSocket plain(SOCK_STREAM, port);
+  const std::string question = "GET /metrics HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
+  plain.send(bytes(question));
+  std::string answer;
+  for (auto part = plain.receive(); !part.empty(); part = plain.receive())
+    answer.append(part.begin(), part.end());
+  EXPECT_THAT(answer, ::testing::Not(HasSubstr("HTTP")));
 }
 
 /// The counters of the viewers are those of the page, at either port.
