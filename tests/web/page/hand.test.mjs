@@ -9,6 +9,7 @@ import {join} from 'node:path';
 import {createInterface} from 'node:readline';
 import {after, before, beforeEach, afterEach, test} from 'node:test';
 import {chromium} from 'playwright-core';
+import {faults, overflowing} from './judge.mjs';
 
 const PATIENCE = 60_000;  // [ms] for a machine that draws in software and has more to do
 const STIFFNESS = 600;  // [N/m] of the floor of scenes/plane.json
@@ -151,6 +152,20 @@ test('a drag on a body brings the hand to it, and pushes it', async () => {
   assert.ok(Math.hypot(...dragged.map((value, axis) => value - target[axis])) > 0.01);
   assert.deepEqual((await page.evaluate(() => window.feltwire())).pose, before.pose, 'the camera stays');
   await page.mouse.up();
+});
+
+test('a page with a hand: nothing is too wide, contrast is 4.5 or more, and all controls have names', async () => {
+  await serve();
+  for (const colorScheme of ['light', 'dark']) {
+    page = await open(readFileSync(join(state, 'local.token'), 'utf8').trim());
+    await page.emulateMedia({colorScheme});
+    await take();
+    await until(() => /^It feels/.test(document.querySelector('#own-values').textContent));
+    assert.deepEqual(await overflowing(page), [], colorScheme);
+    await page.keyboard.press(' ');  // Names stand still. axe-core may be so long that the hand is let go; then its texts are judged all the same.
+    assert.deepEqual(await faults(page), [], colorScheme);
+    await page.context().close();
+  }
 });
 
 test('it has the law that is chosen when it is taken', async () => {

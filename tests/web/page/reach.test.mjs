@@ -1,14 +1,14 @@
 // Everyone reaches all of the live page: at every width, in every language, in both themes, and with a screen reader. axe-core judges contrast and names.
 
 import assert from 'node:assert/strict';
+import {join} from 'node:path';
 import {test} from 'node:test';
-import axe from 'axe-core';
+import {faults, overflowing} from './judge.mjs';
 import {ADMIN} from './mock_server.mjs';
 import {newPage, newServer, open, page, press, state, until} from './page_fixture.mjs';
 
 const WIDTHS = [360, 768, 1360, 1920];  // [px]
 const LOCALES = ['en-US', 'de-DE', 'ko-KR'];
-const TAGS = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'];
 
 /** Opens the page with eight hands in a window of this width. @param {'light' | 'dark'} colorScheme @param {string} locale of the browser */
 async function show(width, colorScheme, locale = 'en-US') {
@@ -19,33 +19,10 @@ async function show(width, colorScheme, locale = 'en-US') {
   await until(() => [...document.querySelectorAll('#reasons li')].some((item) => !item.hidden));
 }
 
-/** @returns {Promise<string[]>} elements whose content is wider than they are, unless it ends in an ellipsis */
-const overflowing = () => page.evaluate(() => {
-  const name = (element) => element.tagName.toLowerCase() + (element.id ? `#${element.id}` : '') + (element.className ? `.${element.className}` : '');
-  const found = document.documentElement.scrollWidth > innerWidth ? [`the page: ${document.documentElement.scrollWidth} of ${innerWidth} px`] : [];
-  for (const element of document.body.querySelectorAll('*')) {
-    if (!element.checkVisibility() || element.closest('#labels, .drawing, .arrow') || getComputedStyle(element.parentElement).textOverflow === 'ellipsis') continue;  // Their content is drawn, and may end at the edge.
-    const style = getComputedStyle(element);
-    const {left, right} = element.getBoundingClientRect();
-    if (left < -1 || right > innerWidth + 1) found.push(`${name(element)}: from ${Math.round(left)} to ${Math.round(right)} px`);
-    const wide = element.clientWidth > 0 && element.scrollWidth > element.clientWidth + 1;
-    if (wide && style.textOverflow !== 'ellipsis' && style.display !== 'inline') found.push(`${name(element)}: ${element.scrollWidth} of ${element.clientWidth} px`);
-  }
-  return found;
-});
-
-/** @returns {Promise<string[]>} all that axe-core finds wrong, and each text whose contrast it cannot tell, but for
- *   texts of a letter or a sign */
-async function faults() {
-  await page.evaluate(() => scrollTo(0, 0));  // Else the header lies over what was scrolled below it.
-  await page.evaluate(axe.source);
-  return page.evaluate(async (tags) => {
-    const {violations, incomplete} = await window.axe.run(document.querySelector('dialog[open]') ?? document, {runOnly: tags, resultTypes: ['violations', 'incomplete']});
-    const judged = ({any}) => !['shortTextContent', 'nonBmp'].includes(any[0]?.data?.messageKey);
-    const unknown = incomplete.filter(({id}) => id === 'color-contrast').map(({id, nodes}) => ({id, nodes: nodes.filter(judged)}));
-    return [...violations, ...unknown].flatMap(({id, nodes}) => nodes.map(({target, any, all, none}) => (
-      `${id} ${target.join(' ')}: ${[...any, ...all, ...none][0]?.message ?? ''}`)));
-  }, TAGS);
+/** Keeps a picture of the page for people, where FELTWIRE_SCREENSHOTS names a folder. */
+async function keep(name) {
+  const pictures = process.env.FELTWIRE_SCREENSHOTS;
+  if (pictures) await page.screenshot({path: join(pictures, `${name}.png`)});
 }
 
 const showRecorded = (hidden) => page.evaluate((wanted) => (document.querySelector('#recorded').hidden = wanted), hidden);
@@ -64,11 +41,20 @@ for (const [width, locale] of WIDTHS.flatMap((width) => LOCALES.map((locale) => 
     await newServer({hands: 8});
     await show(width, 'light', locale);
     assert.equal(await page.evaluate(() => document.documentElement.lang), locale.slice(0, 2));
-    assert.deepEqual(await overflowing(), []);
+    assert.deepEqual(await overflowing(page), []);
+    if (locale === 'en-US') {
+      await keep(`${width}-light`);
+      await press('l');
+      await until(() => document.documentElement.dataset.theme === 'dark');
+      await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+      await keep(`${width}-dark`);
+      await press('l');
+    }
     for (const [part, selector, begin, end] of PARTS) {
       await begin();
       await page.locator(selector).first().waitFor({state: 'visible'});
-      assert.deepEqual(await overflowing(), [], part);
+      assert.deepEqual(await overflowing(page), [], part);
+      if (locale === 'en-US') await keep(`${width}-${part.replace(' ', '-')}`);
       await end();
     }
   });
@@ -80,34 +66,62 @@ for (const [width, theme] of [[360, 'light'], [1360, 'light'], [1360, 'dark']]) 
     await show(width, theme);
     assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), theme);
     await press(' ');  // Names stand still.
-    assert.deepEqual(await faults(), []);
+    assert.deepEqual(await faults(page), []);
     for (const [part, selector, begin, end] of PARTS) {
       await begin();
       await page.locator(selector).first().waitFor({state: 'visible'});
-      assert.deepEqual(await faults(), [], part);
+      assert.deepEqual(await faults(page), [], part);
       await end();
     }
     await page.click('#admin-open');
     await page.fill('#admin input[type=password]', ADMIN);
     await page.click('#admin form button');
     await until(() => !document.querySelector('#admin fieldset').disabled);
-    assert.deepEqual(await faults(), [], 'admin, unlocked');
+    assert.deepEqual(await faults(page), [], 'admin, unlocked');
     await page.click('#admin-open');
     await page.evaluate(() => document.querySelector('#foxglove').showModal());
-    assert.deepEqual(await faults(), [], 'foxglove');
+    assert.deepEqual(await faults(page), [], 'foxglove');
   });
 }
+
+test('Tab goes to every control in the order of the page, each is seen to have the focus, and it ends', async () => {
+  await newServer({hands: 8});
+  await show(1360, 'light');
+  await press(' ');  // Rows stay where they are.
+  const wanted = await page.evaluate(() => {
+    const all = document.querySelectorAll('a[href], button, input, select, summary, [tabindex="0"]');
+    const found = [...all].filter((item) => item.checkVisibility({visibilityProperty: true}) && !item.matches(':disabled, [tabindex="-1"]') && !item.closest('dialog'));
+    found.forEach((item, i) => (item.dataset.stop = i));
+    document.activeElement.blur();
+    return found.map((item) => item.id || item.textContent.slice(0, 20) || item.tagName);
+  });
+  assert.ok(wanted.length > 40, `${wanted.length} controls`);
+  const reached = [];
+  for (let i = 0; i < 2 * wanted.length; ++i) {
+    await press('Tab');
+    const stop = await page.evaluate(() => {
+      const {activeElement: item} = document;
+      const {outlineStyle, outlineWidth} = getComputedStyle(item);
+      return {body: item === document.body, stop: item.dataset.stop, seen: outlineStyle !== 'none' && parseFloat(outlineWidth) > 0};
+    });
+    if (stop.body || Number(stop.stop) === reached[0]) break;  // It left the page, or began anew: it is in no trap.
+    if (stop.stop === undefined) continue;  // Something that scrolls.
+    reached.push(Number(stop.stop));
+    assert.ok(stop.seen, `${wanted[Number(stop.stop)]} is not seen to have the focus`);
+  }
+  assert.deepEqual(reached, wanted.map((_, i) => i), `not reached in order: ${wanted.filter((_, i) => !reached.includes(i)).join()}`);
+});
 
 test('the page that asks for a token, and the page of recordings, are read as well', async () => {
   for (const colorScheme of ['light', 'dark']) {
     await newPage({viewport: {width: 1360, height: 860}, colorScheme});
     await open('wrong');
     await page.locator('#token').waitFor({state: 'visible'});
-    assert.deepEqual(await faults(), [], `token, ${colorScheme}`);
+    assert.deepEqual(await faults(page), [], `token, ${colorScheme}`);
     await page.goto(new URL('replay', page.url()).href);
     await page.locator('#replay-empty').waitFor({state: 'visible'});
-    assert.deepEqual(await faults(), [], `recordings, ${colorScheme}`);
-    assert.deepEqual(await overflowing(), [], 'recordings');
+    assert.deepEqual(await faults(page), [], `recordings, ${colorScheme}`);
+    assert.deepEqual(await overflowing(page), [], 'recordings');
   }
   assert.equal((await state()).held, false);
 });

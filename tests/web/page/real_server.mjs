@@ -14,6 +14,7 @@ const program = join(process.env.FELTWIRE_PROGRAMS, 'feltwire-server');
 export let state;
 let served;
 let address;
+export let control;  // its port for clients
 let browser;
 let complaints;
 
@@ -39,6 +40,7 @@ afterEach(async () => {
 export async function serve(scene, ...more) {
   served = spawn(program, ['--scene', scene, '--port', '0', '--web', '0', '--state', state, ...more], {stdio: ['ignore', 'pipe', 'inherit']});
   for await (const line of createInterface({input: served.stdout})) {
+    control = /^listening: control tcp (\d+)/.exec(line)?.[1] ?? control;
     address = /^live page: (\S+)/.exec(line)?.[1];
     if (address) break;
   }

@@ -7,6 +7,7 @@ import {join} from 'node:path';
 import {pathToFileURL} from 'node:url';
 import {chromium} from 'playwright-core';
 import {growRecording} from './grow_recording.mjs';
+import {faults, overflowing} from './judge.mjs';
 import {startServer, TOKEN} from './mock_server.mjs';
 
 const page_folder = process.env.FELTWIRE_PAGE;
@@ -204,6 +205,20 @@ test('moments that a program marked are listed, by the index and without it', as
     assert.deepEqual((await state()).stages[0].marks, [{time: 0.5, text: 'let go'}, {time: 1.5, text: 'grasped'}], name);
     assert.deepEqual(await page.locator('.stage [data-part="marks"] option').allTextContents(), ['2 marks', '0:00.500 let go', '0:01.500 grasped']);
   }
+});
+
+test('a page with a recording on it: nothing is too wide, contrast is 4.5 or more, and all controls have names', async () => {
+  for (const [width, colorScheme] of [[360, 'light'], [768, 'light'], [1360, 'light'], [1360, 'dark'], [1920, 'light']]) {
+    await page.setViewportSize({width, height: 860});
+    await page.emulateMedia({colorScheme});
+    await open(recording('room'));
+    await until(() => window.feltwire().replay.drawn && window.feltwire().replay.time > 0);
+    assert.deepEqual(await overflowing(page), [], `${width} px`);
+    if (width !== 768 && width !== 1920) assert.deepEqual(await faults(page), [], `${width} px, ${colorScheme}`);
+  }
+  await open(recording('slide'), recording('taps'));
+  assert.deepEqual(await overflowing(page), [], 'two');
+  assert.deepEqual(await faults(page), [], 'two');
 });
 
 test('a cut file is shown up to where it was cut', async () => {
