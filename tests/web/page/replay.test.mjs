@@ -154,6 +154,48 @@ test('the pointer seeks on the bar and in the plots', async () => {
   assert.ok(Math.abs(later - time - 0.25 * 5) < 0.05, `${later} after ${time}`);
 });
 
+/** Presses a button of the recording. @returns {Promise<Buffer>} the file that the browser saves */
+async function saved(part) {
+  const [download] = await Promise.all([page.waitForEvent('download'), page.click(`.stage [data-part="${part}"]`)]);
+  return readFileSync(await download.path());
+}
+
+test('plots of a recording zoom, move, say the values under the pointer, and are saved', async () => {
+  await open(recording('slide'));
+  await seek(3);
+  const {x, y, width, height} = await page.locator('.stage .u-over').first().boundingBox();
+  await page.mouse.move(x + 0.25 * width, y + 0.5 * height);
+  await page.mouse.wheel(0, -400);
+  await until(() => window.feltwire().replay.drawn && window.feltwire().replay.stages[0].range[1] - window.feltwire().replay.stages[0].range[0] < 2.5);
+  const {stages: [{range: [from, to]}], time} = await state();
+  assert.ok(Math.abs((from + to) / 2 - time) < 1e-9 && time === 3);
+  await page.mouse.move(x + 0.26 * width, y + 0.5 * height);
+  await until(() => /^at 0:0\d\.\d{3}$/.test(document.querySelector('.stage [data-part="plot-time"]').textContent));
+  const under = from + 0.26 * (to - from);
+  const said = Number(/\d\.\d{3}$/.exec(await page.textContent('.stage [data-part="plot-time"]'))[0]);
+  assert.ok(Math.abs(said - under) < 0.02, `${said} s, not ${under}`);
+  const rows = exported();
+  const row = rows.findLast(({at}) => at <= said + 1e-3);
+  const held = Number(/held ([\d.]+) N/.exec(await page.textContent('.stage .legend'))[1]);
+  assert.ok(Math.abs(held - Math.hypot(row.rx, row.ry, row.rz)) < 0.1, `${held} N at ${said} s`);
+
+  const [head, ...lines] = (await saved('csv')).toString().trim().split('\n');
+  assert.equal(head, 'time_s,elastic_N,friction_N,commanded_N,held_N,balance_J,cut_percent,reply_age_ms');
+  const wanted = rows.filter(({at}) => at > from && at <= to);
+  assert.ok(Math.abs(lines.length - wanted.length) <= 2, `${lines.length} rows, not ${wanted.length}`);
+  const [second, elastic] = lines[10].split(',').map(Number);
+  const same = rows.find(({at}) => Math.abs(at - second) < 1e-6);
+  assert.ok(Math.abs(elastic - Math.hypot(same.ex, same.ey, same.ez)) < 1e-5 * Math.max(elastic, 1), lines[10]);
+  assert.deepEqual([...(await saved('png')).subarray(0, 4)], [0x89, 0x50, 0x4e, 0x47]);
+
+  await page.mouse.move(x + 0.5 * width, y + 0.5 * height);
+  await page.mouse.down();
+  for (let i = 1; i <= 10; ++i) await page.mouse.move(x + (0.5 - 0.02 * i) * width, y + 0.5 * height);
+  await page.mouse.up();
+  const moved = (await state()).time - 3;
+  assert.ok(moved > 0.1 * (to - from) && moved < 0.25 * (to - from), `${moved} s later`);
+});
+
 test('an observer\'s recording has the hands of the scene', async () => {
   await open(recording('seen'));
   await seek(2.5);

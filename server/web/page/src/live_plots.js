@@ -1,10 +1,9 @@
 // Plots of the chosen hand, or of several hands over each other. Time runs to the right. It ends now, until the user zooms or moves it.
 
-import uPlot from 'uplot';
 import {COLUMN} from './hands.js';
 import {say} from './language.js';
 import {csvOf, imageOf} from './plot_export.js';
-import {energyTick, fillLegend, gaps, LEFT, makePane, range, RIGHT, tick} from './plots.js';
+import {energyTick, fillLegend, fitPlots, makePane, makePlot, put, tick} from './plots.js';
 import {moveByPointer} from './plot_pointer.js';
 import {TimeWindow} from './time_window.js';
 import * as words from './words.js';
@@ -71,8 +70,7 @@ export class Plots {
         area: () => pane.plot?.over ?? pane.room,
       });
     }
-    const sizes = new ResizeObserver(() => this.#resize());
-    for (const pane of this.panes) sizes.observe(pane.room);
+    fitPlots(this.panes);
   }
 
   /** Time of the newest values [s]. */
@@ -135,12 +133,10 @@ export class Plots {
     for (const pane of this.panes) {
       pane.lines.forEach(({value}, i) => {
         const data = pane.plot?.data[i + 1];
-        const text = pane.shown[i].write(data && at >= 0 ? data[at] : null);
-        if (value.textContent !== text) value.textContent = text;
+        put(value, pane.shown[i].write(data && at >= 0 ? data[at] : null));
       });
     }
-    const time = under ? say('plot.at', {time: this.#timeText(under.data[0][at], 2)}) : '';
-    if (this.time.textContent !== time) this.time.textContent = time;
+    put(this.time, under ? say('plot.at', {time: this.#timeText(under.data[0][at], 2)}) : '');
   }
 
   /** @returns {string} the values that are shown, as CSV */
@@ -200,32 +196,12 @@ export class Plots {
     }
   }
 
-  #makePlot({about, room, shown}) {
-    const {colors} = this;
-    const axis = {
-      stroke: colors.muted, font: '11px system-ui, sans-serif', grid: {stroke: colors.grid, width: 1},
-      ticks: {stroke: colors.grid, width: 1, size: 4},
-    };
-    const second = this.comparing ? null : about.second;
-    const scales = {x: {time: false, range: () => this.window.range(this.end)}, y: {range: range(about.least)}};
-    const axes = [
-      {...axis, size: 26, splits: () => this.#timeTicks(), values: (plot, ticks) => ticks.map((time) => this.#timeText(time, 3))},
-      {...axis, size: LEFT, space: 22, values: about.tick},
-    ];
-    if (second) {
-      scales.second = {range: range(second.least)};
-      axes.push({...axis, size: RIGHT, space: 22, values: second.tick, scale: 'second', side: 1, grid: {show: false}});
-    }
-    const options = {
-      width: Math.max(room.clientWidth, 50), height: Math.max(room.clientHeight, 40), scales, axes, legend: {show: false},
-      padding: [8, second ? 0 : RIGHT, 0, 0],
-      cursor: {drag: {x: false, y: false}, sync: {key: 'feltwire'}, points: {show: false}, y: false},
-      series: [{}, ...shown.map((line) => ({
-        stroke: colors[line.color], width: line.width ?? 1.5, dash: line.dash, scale: line.scale ?? 'y', points: {show: false}, gaps,
-      }))],
+  #makePlot(pane) {
+    return makePlot(pane, this.colors, {
+      range: () => this.window.range(this.end), second: this.comparing ? null : pane.about.second, sync: 'feltwire',
+      time: {splits: () => this.#timeTicks(), values: (plot, ticks) => ticks.map((time) => this.#timeText(time, 3))},
       hooks: {setCursor: [() => this.writeValues()]},
-    };
-    return new uPlot(options, [[], ...shown.map(() => [])], room);
+    });
   }
 
   #timeTicks() {
@@ -240,13 +216,6 @@ export class Plots {
   #timeText(time, digits) {
     const ago = +(this.end - time).toFixed(digits);
     return ago === 0 ? say('plot.now') : `${ago > 0 ? '−' : '+'}${Math.abs(ago)} s`;
-  }
-
-  #resize() {
-    for (const {plot, room} of this.panes) {
-      const [width, height] = [room.clientWidth, room.clientHeight];
-      if (plot && width > 0 && height > 0 && (plot.width !== width || plot.height !== height)) plot.setSize({width, height});
-    }
   }
 }
 

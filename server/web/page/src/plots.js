@@ -1,7 +1,9 @@
-// Parts that the plots of the live page and of recordings share: panes, ranges of axes, and how ticks are written.
+// Parts that the plots of the live page and of recordings share: panes, their plots, ranges of axes, and how ticks are written.
 
-export const LEFT = 58;  // [px] beside a plot: the same for all, so that their times stand one above the other
-export const RIGHT = 42;
+import uPlot from 'uplot';
+
+const LEFT = 58;  // [px] beside a plot: the same for all, so that their times stand one above the other
+const RIGHT = 42;
 const NICE = [1, 1.5, 2, 3, 4, 5, 6, 8, 10];
 
 /** The smallest round number that is not below `value`. */
@@ -14,7 +16,7 @@ function roundUp(value) {
  * A range from zero, or from below it, with round ends, so that the axis is calm. What is unknown (null, NaN) does not count.
  * @param {number} least of the upper end
  */
-export const range = (least) => (plot, _low, _high, scale) => {
+const range = (least) => (plot, _low, _high, scale) => {
   let [low, high] = [0, least];
   plot.series.forEach((series, i) => {
     if (i === 0 || series.scale !== scale) return;
@@ -30,7 +32,7 @@ export const range = (least) => (plot, _low, _high, scale) => {
 };
 
 /** Finds the gaps of a line, for uPlot: around values that are not known (NaN). @returns {[number, number][]} places on the canvas */
-export function gaps(plot, series, first, last) {
+function gaps(plot, series, first, last) {
   const data = plot.data[series];
   const place = (i) => plot.valToPos(plot.data[0][Math.min(Math.max(i, first), last)], 'x', true);
   const found = [];
@@ -65,6 +67,51 @@ export function makePane(about, parent) {
   pane.append(heading, legend, room);
   parent.append(pane);
   return {about, root: pane, room, legend, lines: fillLegend(legend, about.lines), plot: null};
+}
+
+/**
+ * Makes the plot of a pane.
+ * @param {object} pane of makePane, with `shown`: its lines @param {object} colors of the theme
+ * @param {{range: () => [number, number], time: object, second?: object, sync: string, hooks: object}} how the time that is shown; the axis of
+ *   time, beside its look; what has the axis at the right; plots with one `sync` have one cursor
+ */
+export function makePlot({about, room, shown}, colors, {range: times, time, second, sync, hooks}) {
+  const axis = {
+    stroke: colors.muted, font: '11px system-ui, sans-serif', grid: {stroke: colors.grid, width: 1},
+    ticks: {stroke: colors.grid, width: 1, size: 4},
+  };
+  const scales = {x: {time: false, range: times}, y: {range: range(about.least)}};
+  const axes = [{...axis, size: 26, ...time}, {...axis, size: LEFT, space: 22, values: about.tick}];
+  if (second) {
+    scales.second = {range: range(second.least)};
+    axes.push({...axis, size: RIGHT, space: 22, values: second.tick, scale: 'second', side: 1, grid: {show: false}});
+  }
+  return new uPlot({
+    width: Math.max(room.clientWidth, 50), height: Math.max(room.clientHeight, 40), scales, axes, legend: {show: false},
+    padding: [8, second ? 0 : RIGHT, 0, 0],
+    cursor: {drag: {x: false, y: false}, sync: {key: sync}, points: {show: false}, y: false},
+    series: [{}, ...shown.map((line) => ({
+      stroke: colors[line.color], width: line.width ?? 1.5, dash: line.dash, scale: line.scale ?? 'y', points: {show: false}, gaps,
+    }))],
+    hooks,
+  }, [[], ...shown.map(() => [])], room);
+}
+
+/** Fits the plots to their rooms from now on. @param {object[]} panes of makePane @returns {ResizeObserver} */
+export function fitPlots(panes) {
+  const sizes = new ResizeObserver(() => {
+    for (const {plot, room} of panes) {
+      const [width, height] = [room.clientWidth, room.clientHeight];
+      if (plot && width > 0 && height > 0 && (plot.width !== width || plot.height !== height)) plot.setSize({width, height});
+    }
+  });
+  for (const {room} of panes) sizes.observe(room);
+  return sizes;
+}
+
+/** Writes a text, if it is another one: each writing costs the browser a layout. */
+export function put(element, text) {
+  if (element.textContent !== text) element.textContent = text;
 }
 
 /**

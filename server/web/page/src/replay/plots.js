@@ -1,13 +1,15 @@
 // Plots of one hand of a recording, around the moment that is shown. A click goes to its moment.
 
-import uPlot from 'uplot';
 import {say} from '../language.js';
 import {length3} from '../messages.js';
-import {energyTick, LEFT, makePane, range, RIGHT, tick} from '../plots.js';
+import {imageOf} from '../plot_export.js';
+import {moveByPointer} from '../plot_pointer.js';
+import {energyTick, fitPlots, makePane, makePlot, put, tick} from '../plots.js';
 import * as words from '../words.js';
 import {rowAt} from './recording.js';
 import {ACCOUNT, askedForce, FRESH, ROW} from './tables.js';
 
+const DIGITS = 7;  // of a value in a file
 const POINTS = 1200;  // of a line, at most; from where there are more, the least and the largest of each stretch are drawn
 
 const asked = (rows, row) => askedForce(rows, row);
@@ -19,36 +21,41 @@ const hand = (segment, which) => (which === null ? segment.own : segment.hands.g
 const PLOTS = [
   {
     title: say('plot.force'), tick: tick('N'), least: 1, table: hand, lines: [
-      {name: say('line.elastic'), hint: say('line.elastic.hint'), of: size(ROW.elastic), color: 'elastic', write: words.force},
-      {name: say('line.friction'), hint: say('line.friction.hint'), of: size(ROW.friction), color: 'friction', write: words.force},
-      {name: say('line.commanded'), hint: say('line.commanded.hint'), of: asked, color: 'ink', dash: [5, 4], write: words.force},
-      {name: say('line.held'), hint: say('line.held.hint'), of: size(ROW.held), color: 'rendered', width: 2.5, write: words.force},
+      {name: say('line.elastic'), hint: say('line.elastic.hint'), csv: 'elastic_N', of: size(ROW.elastic), color: 'elastic', write: words.force},
+      {name: say('line.friction'), hint: say('line.friction.hint'), csv: 'friction_N', of: size(ROW.friction), color: 'friction', write: words.force},
+      {name: say('line.commanded'), hint: say('line.commanded.hint'), csv: 'commanded_N', of: asked, color: 'ink', dash: [5, 4], write: words.force},
+      {name: say('line.held'), hint: say('line.held.hint'), csv: 'held_N', of: size(ROW.held), color: 'rendered', width: 2.5, write: words.force},
     ],
   },
   {
     title: say('plot.account'), tick: energyTick, least: 0.001, second: {tick: tick('%'), least: 5}, table: (segment, which) => (which === null ? segment.accounts : null), lines: [
-      {name: say('line.balance'), hint: say('line.balance.hint'), of: number(ACCOUNT.balance), color: 'elastic', write: words.energy},
-      {name: say('line.cut'), hint: say('line.cut.hint'), of: number(ACCOUNT.cut, 100), color: 'limit', write: (value) => words.number(value, 1, '%'), scale: 'second'},
+      {name: say('line.balance'), hint: say('line.balance.hint'), csv: 'balance_J', of: number(ACCOUNT.balance), color: 'elastic', write: words.energy},
+      {name: say('line.cut'), hint: say('line.cut.hint'), csv: 'cut_percent', of: number(ACCOUNT.cut, 100), color: 'limit', write: (value) => words.number(value, 1, '%'), scale: 'second'},
     ],
   },
   {
     title: say('plot.age'), tick: tick('ms'), least: 2, table: (segment, which) => (which === null ? segment.own : null), lines: [
-      {name: say('line.age'), hint: say('line.age.hint'), of: (rows, row) => (rows[row + ROW.age] >= 0 ? 1000 * rows[row + ROW.age] : NaN), color: 'elastic', write: (value) => words.number(value, 2, 'ms')},
+      {name: say('line.age'), hint: say('line.age.hint'), csv: 'reply_age_ms', of: (rows, row) => (rows[row + ROW.age] >= 0 ? 1000 * rows[row + ROW.age] : NaN), color: 'elastic', write: (value) => words.number(value, 2, 'ms')},
     ],
   },
 ];
 
+let made = 0;  // plots of recordings: each has a cursor of its own
+
 export class ReplayPlots {
-  /** @param {HTMLElement} parent @param {import('./recording.js').Recording} recording @param {(time: number) => void} seek */
-  constructor(parent, recording, seek) {
+  /**
+   * @param {HTMLElement} parent @param {HTMLElement} time says the time under the pointer @param {import('./recording.js').Recording} recording
+   * @param {{seek: (time: number) => void, zoom: (factor: number) => void}} on
+   */
+  constructor(parent, time, recording, on) {
     this.recording = recording;
-    this.seek = seek;
-    this.seconds = 5;
     this.time = 0;
+    this.said = time;
+    this.seconds = 5;
     this.which = null;
-    this.panes = PLOTS.map((about) => this.#makePane(about, parent));
-    this.sizes = new ResizeObserver(() => this.#resize());
-    for (const pane of this.panes) this.sizes.observe(pane.room);
+    this.sync = `recording-${made++}`;
+    this.panes = PLOTS.map((about) => this.#makePane(about, parent, on));
+    this.sizes = fitPlots(this.panes);
   }
 
   end() {
@@ -56,11 +63,21 @@ export class ReplayPlots {
     for (const {plot} of this.panes) plot?.destroy();
   }
 
+  /** [s] that are shown: the moment is in their middle. @returns {[number, number]} */
+  get range() {
+    return [this.time - this.seconds / 2, this.time + this.seconds / 2];
+  }
+
   /** @param {object} colors of the theme; makes all plots anew, since uPlot keeps its colors */
   paint(colors) {
+    this.colors = colors;
     for (const pane of this.panes) {
       pane.plot?.destroy();
-      pane.plot = this.#makePlot(pane, colors);
+      pane.plot = makePlot(pane, colors, {
+        range: () => this.range, second: pane.about.second, sync: this.sync,
+        time: {values: (plot, ticks) => ticks.map((time) => `${+time.toFixed(3)} s`.replace('-', '−'))},
+        hooks: {draw: [(plot) => drawNow(plot, this.time, colors)], setCursor: [() => this.#writeValues()]},
+      });
       pane.lines.forEach(({mark}, i) => (mark.style.background = colors[pane.about.lines[i].color]));
     }
     this.show(this.time, this.which);
@@ -70,7 +87,7 @@ export class ReplayPlots {
   show(time, which) {
     this.time = time;
     this.which = which;
-    const [from, to] = [time - this.seconds / 2, time + this.seconds / 2];
+    const [from, to] = this.range;
     const {segments} = this.recording.segments(from, to);
     for (const pane of this.panes) {
       const {about} = pane;
@@ -79,11 +96,20 @@ export class ReplayPlots {
       pane.plot?.setData(data);
       const now = rowAt(segments, (segment) => about.table(segment, which), time);
       const fresh = now && now.time >= time - FRESH;
-      pane.lines.forEach(({value}, i) => {
-        const text = about.lines[i].write(fresh ? about.lines[i].of(now.table.rows, now.row) : null);
-        if (value.textContent !== text) value.textContent = text;
-      });
+      pane.now = about.lines.map(({of}) => (fresh ? of(now.table.rows, now.row) : null));
     }
+    this.#writeValues();
+  }
+
+  /** Writes the values under the pointer and their time, or else those of the moment that is shown. */
+  #writeValues() {
+    const under = this.panes.find(({plot}) => plot?.cursor.idx != null)?.plot;
+    const time = under?.data[0][under.cursor.idx];
+    for (const pane of this.panes) {
+      const at = pane.plot?.cursor.idx;
+      pane.lines.forEach(({value}, i) => put(value, pane.shown[i].write(time === undefined ? pane.now?.[i] ?? null : pane.plot?.data[i + 1][at] ?? null)));
+    }
+    put(this.said, time === undefined ? '' : say('plot.at', {time: words.clock(time)}));
   }
 
   /** Points of the plots, for tests. */
@@ -91,46 +117,49 @@ export class ReplayPlots {
     return this.panes.map(({plot}) => plot?.data[0].length ?? 0);
   }
 
-  #makePane(about, parent) {
+  /** @returns {string} all values of the time that is shown, as CSV */
+  csv() {
+    const [from, to] = this.range;
+    const {segments} = this.recording.segments(from, to);
+    const lines = this.panes.flatMap(({about}) => about.lines.map((line) => ({...line, table: about.table})));
+    const rows = new Map();  // time -> values: messages of one tick have one time
+    lines.forEach(({of, table}, column) => {
+      for (const {table: {times, rows: values, width}, first, last} of partsOf(segments.map((segment) => table(segment, this.which)).filter(Boolean), from, to)) {
+        for (let i = first; i <= last; ++i) {
+          if (!rows.has(times[i])) rows.set(times[i], lines.map(() => ''));
+          const value = of(values, i * width);
+          if (Number.isFinite(value)) rows.get(times[i])[column] = +value.toPrecision(DIGITS);
+        }
+      }
+    });
+    const written = [...rows].sort(([a], [b]) => a - b).map(([time, values]) => [time.toFixed(6), ...values].join());
+    return `${[['time_s', ...lines.map(({csv}) => csv)].join(), ...written].join('\n')}\n`;
+  }
+
+  /** @param {string} title @returns {HTMLCanvasElement} all plots */
+  image(title) {
+    return imageOf(this.panes.filter(({root}) => !root.hidden), title, this.colors);
+  }
+
+  #makePane(about, parent, on) {
     const pane = makePane(about, parent);
+    pane.shown = about.lines;
+    let dragged = false;
+    moveByPointer(pane.room, {
+      zoom: (factor) => on.zoom(factor),
+      move: (share) => {
+        dragged = true;
+        on.seek(this.time + share * this.seconds);
+      },
+      area: () => pane.plot.over,
+    });
+    pane.room.addEventListener('pointerdown', () => (dragged = false));
     pane.room.onclick = (event) => {
-      const {plot} = pane;
-      const area = plot.over.getBoundingClientRect();
-      this.seek(plot.posToVal(event.clientX - area.left, 'x'));
+      if (dragged) return;
+      const area = pane.plot.over.getBoundingClientRect();
+      on.seek(pane.plot.posToVal(event.clientX - area.left, 'x'));
     };
     return pane;
-  }
-
-  #makePlot({about, room}, colors) {
-    const axis = {
-      stroke: colors.muted, font: '11px system-ui, sans-serif', grid: {stroke: colors.grid, width: 1},
-      ticks: {stroke: colors.grid, width: 1, size: 4},
-    };
-    const scales = {x: {time: false, range: () => [this.time - this.seconds / 2, this.time + this.seconds / 2]}, y: {range: range(about.least)}};
-    const axes = [
-      {...axis, size: 26, values: (plot, ticks) => ticks.map((time) => `${+time.toFixed(3)} s`.replace('-', '−'))},
-      {...axis, size: LEFT, space: 22, values: about.tick},
-    ];
-    if (about.second) {
-      scales.second = {range: range(about.second.least)};
-      axes.push({...axis, size: RIGHT, space: 22, values: about.second.tick, scale: 'second', side: 1, grid: {show: false}});
-    }
-    const options = {
-      width: Math.max(room.clientWidth, 50), height: Math.max(room.clientHeight, 40), scales, axes, legend: {show: false},
-      padding: [8, about.second ? 0 : RIGHT, 0, 0], cursor: {drag: {x: false, y: false}, points: {show: false}, y: false},
-      series: [{}, ...about.lines.map((line) => ({
-        stroke: colors[line.color], width: line.width ?? 1.5, dash: line.dash, scale: line.scale ?? 'y', points: {show: false},
-      }))],
-      hooks: {draw: [(plot) => drawNow(plot, this.time, colors)]},
-    };
-    return new uPlot(options, [[], ...about.lines.map(() => [])], room);
-  }
-
-  #resize() {
-    for (const {plot, room} of this.panes) {
-      const [width, height] = [room.clientWidth, room.clientHeight];
-      if (plot && width > 0 && height > 0 && (plot.width !== width || plot.height !== height)) plot.setSize({width, height});
-    }
   }
 }
 
@@ -150,9 +179,14 @@ function drawNow(plot, time, colors) {
   ctx.restore();
 }
 
+/** Which rows of each table are between two times. */
+function partsOf(tables, from, to) {
+  return tables.map((table) => ({table, first: table.before(from) + 1, last: table.before(to)})).filter(({first, last}) => last >= first);
+}
+
 /** Rows between two times as columns. Of many rows, each stretch has two points: the least and the largest value, in their order. */
 function linesOf(tables, lines, from, to) {
-  const parts = tables.map((table) => ({table, first: table.before(from) + 1, last: table.before(to)})).filter(({first, last}) => last >= first);
+  const parts = partsOf(tables, from, to);
   const count = parts.reduce((sum, {first, last}) => sum + last - first + 1, 0);
   const stride = Math.max(1, Math.ceil((2 * count) / POINTS));
   const columns = [[], ...lines.map(() => [])];

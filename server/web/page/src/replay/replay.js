@@ -9,6 +9,7 @@ import {Stage} from './stage.js';
 import {TimeBar} from './time_bar.js';
 
 const MOST = 2;
+const SECONDS = {least: 0.05, most: 120};  // of the plots
 const SPEEDS = [0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10];
 const element = (id) => document.getElementById(id);
 
@@ -21,6 +22,7 @@ export class Replay {
     this.time = 0;
     this.playing = false;
     this.speed = 1;
+    this.seconds = 5;  // of the plots
     this.colors = null;
     this.stale = true;
     this.last = 0;
@@ -36,7 +38,7 @@ export class Replay {
     element('replay-play').onclick = () => this.play(!this.playing);
     element('replay-speed').replaceChildren(...SPEEDS.map((speed) => new Option(`${speed} ×`, speed, speed === 1, speed === 1)));
     element('replay-speed').onchange = (event) => (this.speed = Number(event.target.value));
-    element('replay-window').onchange = () => this.#news();
+    element('replay-window').onchange = ({target}) => this.#showSeconds(Number(target.value));
     element('replay-offset').oninput = (event) => this.setOffset(Number(event.target.value) || 0);
     element('replay-clock').onclick = () => this.#byClock();
     element('live-page').hidden = location.protocol === 'file:';
@@ -82,7 +84,7 @@ export class Replay {
     element('log').hidden = true;
     const entry = {stage: null, offset: 0};
     entry.stage = new Stage(recording, {
-      seek: (time) => this.seek(time + entry.offset), close: () => this.#close(entry), news: () => this.#news(),
+      seek: (time) => this.seek(time + entry.offset), zoom: (factor) => this.zoom(factor), close: () => this.#close(entry), news: () => this.#news(),
     });
     this.stages.push(entry);
     element('replay-stages').append(entry.stage.root);
@@ -147,6 +149,20 @@ export class Replay {
     return Math.max(...this.stages.map(({stage, offset}) => offset + stage.recording.duration), this.from + 1e-3);
   }
 
+  /** Plots show more or less time about the moment. @param {number} factor above 1: less */
+  zoom(factor) {
+    this.#showSeconds(Math.min(Math.max(this.seconds / factor, SECONDS.least), SECONDS.most));
+  }
+
+  #showSeconds(seconds) {
+    this.seconds = seconds;
+    const list = element('replay-window');
+    list.options[0].textContent = `${+seconds.toPrecision(2)} s`;
+    list.value = seconds;
+    if (list.selectedIndex < 0) list.selectedIndex = 0;
+    this.#news();
+  }
+
   /** @param {number} time [s] on the bar */
   seek(time) {
     this.time = Math.min(Math.max(time, this.from), this.to);
@@ -174,7 +190,7 @@ export class Replay {
     const stages = this.stages.map(({stage, offset}) => ({
       name: stage.recording.name, offset, duration: stage.recording.duration, hands: stage.hands(), shown: stage.shown, whole: stage.whole,
       read: stage.overview.done === stage.recording.chunks.length, first: stage.firstHand(), troubles: stage.recording.troubles, longestArrow: stage.view.hands.longest,
-      points: stage.plots.points, kept: stage.recording.kept, marks: stage.overview.marks, frames: stage.view.frames, bodies: stage.recording.scene ? stage.view.objects?.bodies.size ?? 0 : stage.bodies.size,
+      points: stage.plots.points, range: stage.plots.range, kept: stage.recording.kept, marks: stage.overview.marks, frames: stage.view.frames, bodies: stage.recording.scene ? stage.view.objects?.bodies.size ?? 0 : stage.bodies.size,
       bodyPlaces: stage.view.objects?.places() ?? [],
       solids: stage.view.objects?.sizes().length ?? 0,
     }));
@@ -215,7 +231,7 @@ export class Replay {
     const perNewton = Math.min(...this.stages.map(({stage}) => stage.perNewton));  // One scale, so that recordings compare.
     for (const {stage, offset} of this.stages) {
       stage.scale(perNewton);
-      stage.plots.seconds = Number(element('replay-window').value);
+      stage.plots.seconds = this.seconds;
       stage.show(this.time - offset);
     }
     this.bar.show(this.stages.map(({stage, offset}) => ({overview: stage.overview, offset})), this.time, said);

@@ -3,6 +3,7 @@
 import {Labels} from '../labels.js';
 import {say} from '../language.js';
 import {AT, BODY_AT, HAND_WORDS, length3, Picture} from '../messages.js';
+import {fileName, save, saveCanvas} from '../save.js';
 import {View} from '../view.js';
 import {sentence} from '../why.js';
 import * as words from '../words.js';
@@ -23,7 +24,7 @@ const LEAST_BOX = 0.04;  // [m]
 export class Stage {
   /**
    * @param {import('./recording.js').Recording} recording
-   * @param {{seek: (time: number) => void, close: () => void, news: () => void}} on seek: in this recording's time
+   * @param {{seek: (time: number) => void, zoom: (factor: number) => void, close: () => void, news: () => void}} on seek: in this recording's time; zoom: of the plots
    */
   constructor(recording, on) {
     this.recording = recording;
@@ -45,6 +46,8 @@ export class Stage {
     this.part('name').title = Object.entries(recording.about).map(([key, value]) => `${key}: ${value}`).join('\n');
     this.part('about').textContent = aboutText(recording);
     this.part('close').onclick = on.close;
+    this.part('csv').onclick = () => save(new Blob([this.plots.csv()], {type: 'text/csv'}), fileName('csv', recording.name));
+    this.part('png').onclick = () => saveCanvas(this.plots.image(`${recording.name}, ${this.name(this.chosen)}`), fileName('png', recording.name));
     this.part('next').onclick = () => this.chooseNext(1);
     this.part('marks').onchange = ({target}) => {
       on.seek(this.overview.marks[target.selectedIndex - 1].time);
@@ -59,7 +62,7 @@ export class Stage {
     this.box = new Box();
     this.view.scene.add(this.box.group);
     this.labels = new Labels(this.part('labels'));
-    this.plots = new ReplayPlots(this.part('plots'), this.recording, this.on.seek);
+    this.plots = new ReplayPlots(this.part('plots'), this.part('plot-time'), this.recording, this.on);
     this.paint(colors);
     this.overview.run(() => {
       this.#fit();
