@@ -76,9 +76,9 @@ export function drawFigure(canvas, colors, name, traceOf) {
 
 function drawPanel(context, colors, panel, box, traceOf) {
   const lines = panel.lines.map((line) => ({...line, points: pointsOf(panel, line, traceOf(line.of))}));
-  const largest = (from, least) => roundUp(lines.reduce((most, {points}) => points.reduce((sum, point) => Math.max(sum, panel.below && from === 1 ? Math.abs(point[1]) : point[from] || 0), most), least));
-  const most = largest(1, panel.least);
-  const far = panel.over ? largest(0, 1) : 1;
+  const points = lines.flatMap((line) => line.points).filter((point) => point.every(Number.isFinite));
+  const most = roundUp(points.reduce((sum, [, value]) => Math.max(sum, panel.below ? Math.abs(value) : value), panel.least));
+  const far = panel.over ? roundUp(points.reduce((sum, [at]) => Math.max(sum, at), 1)) : 1;
   const x = (value) => box.left + (box.width * value) / far;
   const y = (value) => box.top + box.height * (panel.below ? 0.5 * (1 - value / most) : 1 - Math.max(value, 0) / most);
   drawAxis(context, colors, box, panel.below ? -most : 0, most, panel);
@@ -86,12 +86,12 @@ function drawPanel(context, colors, panel, box, traceOf) {
     context.textAlign = 'right';
     context.fillText(`${number(far, 0, 'mm')} ${say('tour.depth')}`, box.left + box.width, box.top + box.height + 10);
   }
-  for (const {points, color, wide, dash} of lines) {
+  for (const {points: own, color, wide, dash} of lines) {
     context.strokeStyle = colors[color];
     context.lineWidth = wide;
     context.setLineDash(dash ?? []);
     context.beginPath();
-    for (const [at, value] of points) if (Number.isFinite(value)) context.lineTo(x(at), y(value));
+    for (const [at, value] of own) if (Number.isFinite(value)) context.lineTo(x(at), y(value));
     context.stroke();
   }
   context.setLineDash([]);
