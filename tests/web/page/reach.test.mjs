@@ -5,7 +5,7 @@ import {join} from 'node:path';
 import {test} from 'node:test';
 import {faults, overflowing} from './judge.mjs';
 import {ADMIN} from './mock_server.mjs';
-import {newPage, newServer, open, page, press, state, until} from './page_fixture.mjs';
+import {hold, newPage, newServer, open, page, press, state, until} from './page_fixture.mjs';
 
 const WIDTHS = [360, 768, 1360, 1920];  // [px]
 const LOCALES = ['en-US', 'de-DE', 'ko-KR'];
@@ -65,7 +65,7 @@ for (const [width, theme] of [[360, 'light'], [1360, 'light'], [1360, 'dark']]) 
     await newServer({hands: 8});
     await show(width, theme);
     assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), theme);
-    await press(' ');  // Names stand still.
+    await hold();  // Names stand still.
     assert.deepEqual(await faults(page), []);
     for (const [part, selector, begin, end] of PARTS) {
       await begin();

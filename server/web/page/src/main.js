@@ -270,6 +270,8 @@ function hold(held) {
   if (!held) plots.follow();
   element('hold').setAttribute('aria-pressed', String(page.held));
   element('hold').textContent = say(page.held ? 'head.hold.on' : 'head.hold');
+  writeTexts();  // Of the picture that is held: else names become longer later, and lie on each other.
+  view.stale = true;
 }
 
 /** From its top, wherever it was left. */
