@@ -3,7 +3,7 @@
 import {say} from './language.js';
 import {roundDown, number} from './words.js';
 
-const [LEFT, TITLE, ROUND] = [48, 18, 78];  // [px] for the axes' words, for a title, for the directions
+const [LEFT, TITLE, ROUND] = [58, 18, 78];  // [px] for the axes' words, for a title, for the directions
 const FONT = '11px system-ui, sans-serif';
 const LOOP = 2;  // [s] of a hand's force over its depth
 
@@ -19,16 +19,16 @@ const heldAside = ({held, heldNormal}) => aside(held, heldNormal);
  * A line: whose trace, by the name of a law or of a step (`now`: this step's, `before`: that of the step before), its value, and its look.
  * @typedef {{of: string, value: (row: object) => number, color: string, wide: number, dash?: number[]}} Line
  * A panel of a figure: its title, its unit, the least end of its axis, the seconds from left to right, and its lines. `below`: it also
- * shows values below zero. `over`: what is to the right instead of the time.
- * @typedef {{title: string, unit: string, least: number, seconds?: number, below?: boolean, lines: Line[], over?: (row: object) => number, directions?: boolean}} Panel
+ * shows values below zero. `ends`: the axis is no longer, and what is above it is drawn at its end: a scene may ask for a hundred times the device's force. `over`: what is to the right instead of the time.
+ * @typedef {{title: string, unit: string, least: number, seconds?: number, below?: boolean, ends?: boolean, lines: Line[], over?: (row: object) => number, directions?: boolean}} Panel
  */
 const asked = (value, of = 'now') => ({of, value, color: 'elastic', wide: 1.2, dash: [4, 3]});
 const held = (value) => ({of: 'now', value, color: 'rendered', wide: 2});
 const grey = (of, value) => ({of, value, color: 'line', wide: 1});
-const depths = {title: say('tour.depth'), unit: 'mm', least: 5, lines: [grey('before', millimetres), {of: 'now', value: millimetres, color: 'ink', wide: 1.5}]};
-const forces = {title: say('tour.force'), unit: 'N', least: 10, directions: true, lines: [asked((row) => row.asked), held((row) => row.held)]};
+const depths = {title: say('tour.depth'), unit: 'mm', least: 5, ends: true, lines: [grey('before', millimetres), {of: 'now', value: millimetres, color: 'ink', wide: 1.5}]};
+const forces = {title: say('tour.force'), unit: 'N', least: 10, ends: true, directions: true, lines: [asked((row) => row.asked), held((row) => row.held)]};
 const shaking = (lines) => ({title: say('tour.shaking'), unit: 'µm', least: 100, seconds: 1, below: true, lines});
-const loop = {title: say('tour.loop'), unit: 'N', least: 5, over: millimetres, lines: [grey('before', (row) => row.held), {of: 'now', value: (row) => row.held, color: 'rendered', wide: 2}]};
+const loop = {title: say('tour.loop'), unit: 'N', least: 10, ends: true, over: millimetres, lines: [grey('before', (row) => row.held), {of: 'now', value: (row) => row.held, color: 'rendered', wide: 2}]};
 
 /** The panels of each figure, one above the other, by the name of the step or of the law. @type {Record<string, Panel[]>} */
 export const FIGURES = {
@@ -41,8 +41,8 @@ export const FIGURES = {
     shaking([{of: 'now', value: micrometres, color: 'limit', wide: 1.5}]),
   ],
   per_axis: [
-    {title: say('tour.across'), unit: 'N', least: 5, lines: [asked((row) => row.askedNormal), held((row) => row.heldNormal)]},
-    {title: say('tour.along'), unit: 'N', least: 5, lines: [asked(askedAside), held(heldAside)]},
+    {title: say('tour.across'), unit: 'N', least: 10, ends: true, lines: [asked((row) => row.askedNormal), held((row) => row.heldNormal)]},
+    {title: say('tour.along'), unit: 'N', least: 10, ends: true, lines: [asked(askedAside), held(heldAside)]},
   ],
   per_axis_projected: [
     {title: say('tour.angle'), unit: '°', least: 45, directions: true, lines: [{of: 'per_axis', value: ({off}) => off, color: 'line', wide: 1}, {of: 'now', value: ({off}) => off, color: 'rendered', wide: 2}]},
@@ -77,10 +77,10 @@ export function drawFigure(canvas, colors, name, traceOf) {
 function drawPanel(context, colors, panel, box, traceOf) {
   const lines = panel.lines.map((line) => ({...line, points: pointsOf(panel, line, traceOf(line.of))}));
   const points = lines.flatMap((line) => line.points).filter((point) => point.every(Number.isFinite));
-  const most = roundUp(points.reduce((sum, [, value]) => Math.max(sum, panel.below ? Math.abs(value) : value), panel.least));
+  const most = panel.ends ? panel.least : roundUp(points.reduce((sum, [, value]) => Math.max(sum, panel.below ? Math.abs(value) : value), panel.least));
   const far = panel.over ? roundUp(points.reduce((sum, [at]) => Math.max(sum, at), 1)) : 1;
   const x = (value) => box.left + (box.width * value) / far;
-  const y = (value) => box.top + box.height * (panel.below ? 0.5 * (1 - value / most) : 1 - Math.max(value, 0) / most);
+  const y = (value) => box.top + box.height * (panel.below ? 0.5 * (1 - value / most) : 1 - Math.min(Math.max(value, 0) / most, 1));
   drawAxis(context, colors, box, panel.below ? -most : 0, most, panel);
   if (panel.over) {
     context.textAlign = 'right';
