@@ -30,7 +30,7 @@ namespace Feltwire
             [FieldOffset(40)] public IntPtr token_file;  // file with the client's token
             [FieldOffset(48)] public IntPtr scene;  // name of the scene to join
             [FieldOffset(56)] public IntPtr name;  // of this client, for the server's log
-            [FieldOffset(64)] public IntPtr device;  // as --device of feltwire-client: "simulated", "haply", "plugin:FILE.so". "caller": the program moves the hand and applies its force, by fw_hand_exchange()
+            [FieldOffset(64)] public IntPtr device;  // as --device of feltwire-client: "simulated", "haply", "plugin:FILE.so". "caller": the program moves the hand and applies its force, by fw_hand_exchange(). "stepped": it makes the ticks too, by fw_hand_step()
             [FieldOffset(72)] public IntPtr spec;  // a built-in specification of the device, or FILE.json; null: the device's own
             [FieldOffset(80)] public double duration;  // [s] after which the run ends; 0: at fw_hand_close()
             [FieldOffset(88)] public double stale_after;  // [s] after which a hand of device "caller" that was not moved gets no force: 0.001 to less than a quarter of the hold time
@@ -430,6 +430,10 @@ namespace Feltwire
         /// <summary>For a hand of device "caller": gives the pose, and returns the newest tick, whose force the program applies until its next call. The energy account reckons with that. FW_NOTHING: there was no tick yet, so apply no force. FW_ENDED: the run has ended; apply no force. Threads: one thread at a time, never waits.</summary>
         [DllImport("feltwire")]
         public static extern int fw_hand_exchange(IntPtr hand, ref Pose pose, ref Tick tick, uint struct_size);
+
+        /// <summary>For a hand of device "stepped", of a program that has a loop of its own: makes a tick with this pose, and returns it. The program applies its force until its next call. It blocks until the servo has made the tick. Call it once in a period of the servo (--rate): a call that comes later is a late tick to the energy account, and one later than a quarter of the hold time takes the force off. FW_NOTHING: there was no tick within that time, so apply no force. FW_ENDED: the run has ended; apply no force. Threads: one thread at a time.</summary>
+        [DllImport("feltwire")]
+        public static extern int fw_hand_step(IntPtr hand, ref Pose pose, ref Tick tick, uint struct_size);
 
         /// <summary>The newest tick, to watch the hand. FW_NOTHING: there was none yet. Never apply its force: the account does not know of it. Threads: any thread, never waits.</summary>
         [DllImport("feltwire")]

@@ -48,7 +48,7 @@ STRUCTS = [
         ("text", "scene", "name of the scene to join"),
         ("text", "name", "of this client, for the server's log"),
         ("text", "device", "as --device of feltwire-client: \"simulated\", \"haply\", \"plugin:FILE.so\". \"caller\": the program "
-         "moves the hand and applies its force, by fw_hand_exchange()"),
+         "moves the hand and applies its force, by fw_hand_exchange(). \"stepped\": it makes the ticks too, by fw_hand_step()"),
         ("text", "spec", "a built-in specification of the device, or FILE.json; null: the device's own"),
         ("f64", "duration", "[s] after which the run ends; 0: at fw_hand_close()"),
         ("f64", "stale_after", "[s] after which a hand of device \"caller\" that was not moved gets no force: 0.001 to less than a quarter of the hold time"),
@@ -241,6 +241,11 @@ FUNCTIONS = [
      "For a hand of device \"caller\": gives the pose, and returns the newest tick, whose force the program applies until its next call. "
      "The energy account reckons with that. FW_NOTHING: there was no tick yet, so apply no force. FW_ENDED: the run has ended; apply no "
      "force."),
+    ("i32", "hand_step", [("hand*", "hand"), ("const pose*", "pose"), ("tick*", "tick"), ("u32", "struct_size")], ONE,
+     "For a hand of device \"stepped\", of a program that has a loop of its own: makes a tick with this pose, and returns it. The program applies "
+     "its force until its next call. It blocks until the servo has made the tick. Call it once in a period of the servo (--rate): a call that comes later "
+     "is a late tick to the energy account, and one later than a quarter of the hold time takes the force off. FW_NOTHING: there was no tick "
+     "within that time, so apply no force. FW_ENDED: the run has ended; apply no force."),
     ("i32", "hand_latest", [("const hand*", "hand"), ("tick*", "tick"), ("u32", "struct_size")], FREE,
      "The newest tick, to watch the hand. FW_NOTHING: there was none yet. Never apply its force: the account does not know of it."),
     ("i32", "hand_ticks", [("hand*", "hand"), ("tick*", "ticks"), ("u32", "struct_size"), ("u32", "most"), ("u32*", "count")],

@@ -66,6 +66,18 @@ CallerDevice::Move to_move(const fw_pose& pose) {
           .gripper = pose.gripper};
 }
 
+/// Throws std::invalid_argument if the program is not the device of this hand, or not the one that
+/// makes the ticks (`steps`), or is it.
+void require_device(const OpenHand& hand, bool steps) {
+  if (hand.caller() == nullptr)
+    throw std::invalid_argument(steps ? "the hand's device is not \"stepped\": it moves itself"
+                                      : "the hand's device is not \"caller\": it moves itself");
+  if (hand.caller()->makes_ticks() == steps) return;
+  throw std::invalid_argument(
+      steps ? "the hand's device is \"caller\": call fw_hand_exchange(), or open it as \"stepped\""
+            : "the hand's device is \"stepped\": call fw_hand_step(), or open it as \"caller\"");
+}
+
 }  // namespace
 }  // namespace feltwire
 
@@ -119,12 +131,27 @@ std::int32_t fw_hand_exchange(fw_hand* hand, const fw_pose* pose, fw_tick* tick,
   if (tick == nullptr || !is_size(struct_size))
     return fail(FW_ERROR_ARGUMENT, "tick is null, or struct_size is not its size");
   return guarded([&] {
-    if (hand->object->caller() == nullptr)
-      throw std::invalid_argument("the hand's device is not \"caller\": it moves itself");
+    require_device(*hand->object, false);
     const CallerDevice::Move move = to_move(read_struct(pose, usual_pose(), "pose"));
     fw_tick newest{};
     const bool ticked = hand->object->exchange(move, newest);
     write_struct(newest, tick, struct_size);
+    if (hand->object->over().is_set()) return FW_ENDED;
+    return ticked ? FW_OK : FW_NOTHING;
+  });
+}
+
+std::int32_t fw_hand_step(fw_hand* hand, const fw_pose* pose, fw_tick* tick,
+                          std::uint32_t struct_size) {
+  if (!is_open(hand)) return not_open("hand");
+  if (tick == nullptr || !is_size(struct_size))
+    return fail(FW_ERROR_ARGUMENT, "tick is null, or struct_size is not its size");
+  return guarded([&] {
+    require_device(*hand->object, true);
+    const CallerDevice::Move move = to_move(read_struct(pose, usual_pose(), "pose"));
+    fw_tick made{};
+    const bool ticked = hand->object->step(move, made);
+    write_struct(made, tick, struct_size);
     if (hand->object->over().is_set()) return FW_ENDED;
     return ticked ? FW_OK : FW_NOTHING;
   });

@@ -6,13 +6,14 @@
 #include <atomic>
 
 #include "client/device/device.hpp"
+#include "core/base/event_descriptor.hpp"
 #include "core/base/ring.hpp"
 
 namespace feltwire {
 
-/// The program's thread calls exchange(), and applies the returned force until its next call. The
+/// The program's thread gives poses, and applies the force that it is given until its next one. The
 /// account hears of the force that was really applied, so a program that is late makes no energy
-/// that nobody has paid for.
+/// that nobody has paid for. The servo ticks by its own timer, or each pose makes a tick: a step.
 class CallerDevice final : public Device {
  public:
   struct Move {
@@ -22,15 +23,27 @@ class CallerDevice final : public Device {
     double gripper = -1.0;  // [m] wanted opening of the robot's gripper; < 0: there is no lever
   };
 
-  /// `stale_after` [s]: without a move for this time the hand gets no force.
-  CallerDevice(const DeviceSpec& spec, double stale_after)
-      : spec_(spec), stale_after_(from_seconds(stale_after)) {}
+  /// `stale_after` [s]: without a move for this time the hand gets no force. `step` [s]: the
+  /// program makes the ticks, each at most so long after the last; 0: the servo's timer makes them.
+  CallerDevice(const DeviceSpec& spec, double stale_after, double step = 0.0)
+      : spec_(spec), stale_after_(from_seconds(stale_after)), step_(from_seconds(step)) {}
 
   /// Gives a pose at `now` (monotonic), and says which force the program applies from now on. A
   /// single thread calls it. It never waits.
   void exchange(const Move& move, Nanoseconds now, const Command& applied) noexcept;
 
+  bool makes_ticks() const noexcept { return step_.count() > 0; }
+  /// Gives a pose at `now`, and waits until the servo has made its tick with it, until `latest` at
+  /// most. False: it made none by then. applies() must follow. The thread of exchange() calls it.
+  bool step(const Move& move, Nanoseconds now, Nanoseconds latest) noexcept;
+  /// Says which force the program applies from now on.
+  void applies(const Command& applied) noexcept { applied_ = applied; }
+  /// The servo thread: the tick of the last read() can be read by the program.
+  void ticked() noexcept;
+
   const DeviceSpec& spec() const override { return spec_; }
+  Nanoseconds longest_tick() const override { return step_; }
+  bool await_tick(Nanoseconds latest) noexcept override;
   DeviceReading read(Nanoseconds now) noexcept override;
   Command write(const Command& on_hand) noexcept override {
     return released() ? Command{} : on_hand;
@@ -46,17 +59,21 @@ class CallerDevice final : public Device {
     double span = 0.0;  // [s]
   };
   static Offer joined(const Offer& older, const Offer& newer) noexcept;
+  void offer(const Move& move, Nanoseconds now) noexcept;
 
   static constexpr std::size_t kRoom = 64;  // moves between two ticks of the servo
   DeviceSpec spec_;
-  Nanoseconds stale_after_;
+  Nanoseconds stale_after_, step_;
   Ring<Offer> offers_{kRoom};
+  std::atomic<std::uint64_t> begun_{0}, made_{0};  // steps, counted from 1
+  EventDescriptor begins_, done_;                  // another step, or its tick
   std::atomic<bool> released_{false};
   // Members of the program's thread.
   Offer waiting_;  // moves for which the ring had no room
   Command applied_;
   Nanoseconds exchanged_at_{0};
   // Members of the servo thread.
+  std::uint64_t taken_ = 0;  // the newest step that await_tick() saw
   Move newest_;
   bool moved_ = false;
   Nanoseconds moved_at_{0};

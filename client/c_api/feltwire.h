@@ -51,7 +51,8 @@ typedef struct fw_hand_options {
   const char* scene; /* name of the scene to join */
   const char* name; /* of this client, for the server's log */
   const char* device; /* as --device of feltwire-client: "simulated", "haply", "plugin:FILE.so". "caller": the program moves
-     the hand and applies its force, by fw_hand_exchange() */
+     the hand and applies its force, by fw_hand_exchange(). "stepped": it makes the ticks too, by
+     fw_hand_step() */
   const char* spec; /* a built-in specification of the device, or FILE.json; null: the device's own */
   double duration; /* [s] after which the run ends; 0: at fw_hand_close() */
   double stale_after; /* [s] after which a hand of device "caller" that was not moved gets no force: 0.001 to less than a
@@ -350,6 +351,14 @@ FW_EXPORT int32_t fw_hand_session(const fw_hand* hand, fw_session* session, uint
    has ended; apply no force.
    Threads: one thread at a time, never waits. */
 FW_EXPORT int32_t fw_hand_exchange(fw_hand* hand, const fw_pose* pose, fw_tick* tick, uint32_t struct_size);
+
+/* For a hand of device "stepped", of a program that has a loop of its own: makes a tick with this pose, and returns it.
+   The program applies its force until its next call. It blocks until the servo has made the tick. Call it once in a period
+   of the servo (--rate): a call that comes later is a late tick to the energy account, and one later than a quarter of the
+   hold time takes the force off. FW_NOTHING: there was no tick within that time, so apply no force. FW_ENDED: the run has
+   ended; apply no force.
+   Threads: one thread at a time. */
+FW_EXPORT int32_t fw_hand_step(fw_hand* hand, const fw_pose* pose, fw_tick* tick, uint32_t struct_size);
 
 /* The newest tick, to watch the hand. FW_NOTHING: there was none yet. Never apply its force: the account does not know of
    it.

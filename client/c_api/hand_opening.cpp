@@ -30,19 +30,32 @@ void require_meaning(const HandRequest& request, const std::string& word) {
       refuse(request, "more: " + word + " is for feltwire-client only");
 }
 
-/// Returns the words of feltwire-client for this request.
-std::vector<std::string> command_line(const HandRequest& request, bool caller) {
+constexpr std::string_view kCaller = "caller", kStepped = "stepped";
+
+/// How the program is the device itself: it moves the hand while the servo ticks, or it makes the
+/// ticks too. Empty: another device.
+std::string_view kind_of_program(const HandRequest& request) {
+  const std::string_view asked(request.device == nullptr ? "" : request.device);
+  for (const std::string_view kind : {kCaller, kStepped})
+    if (asked.substr(0, asked.find(':')) == kind) return kind;
+  return {};
+}
+
+/// Returns the words of feltwire-client for this request. `kind`: of kind_of_program().
+std::vector<std::string> command_line(const HandRequest& request, std::string_view kind) {
   std::vector<std::string> words = request.place;
   const auto add = [&](const char* option, const char* value) {
     if (value != nullptr) words.insert(words.end(), {option, value});
   };
   add("--name", request.name);
   // A person may hold what the program moves: the limits are those of a plugin.
-  constexpr std::string_view kCaller = "caller:";
-  const std::string_view named(request.device == nullptr ? "" : request.device);
-  const std::string settings(named.starts_with(kCaller) ? named.substr(kCaller.size()) : "");
-  const std::string own = "plugin:caller" + (settings.empty() ? "" : "," + settings);
-  add("--device", caller ? own.c_str() : request.device);
+  std::string device(request.device == nullptr ? "" : request.device);
+  if (!kind.empty()) {
+    const std::size_t colon = device.find(':');
+    const std::string settings = colon == std::string::npos ? "" : device.substr(colon + 1);
+    device = "plugin:" + std::string(kind) + (settings.empty() ? "" : "," + settings);
+  }
+  add("--device", request.device == nullptr ? nullptr : device.c_str());
   add("--spec", request.spec);
   add("--duration", shortest_text(request.duration).c_str());
   if (request.more_count > 0 && request.more == nullptr)
@@ -83,43 +96,46 @@ void require_account(const HandRequest& request, const ClientOptions& options) {
   if (!options.servo.account) refuse(request, std::string("more: account=off of --mode") + why);
 }
 
-/// The options of these words. A device of the caller is a plugin there, and `caller` in an error.
-ClientOptions options_of_hand(const std::vector<std::string>& words, bool caller, bool has_server) {
+/// The options of these words. A program that is the device is a plugin there, and its `kind` in an
+/// error.
+ClientOptions options_of_hand(const std::vector<std::string>& words, std::string_view kind,
+                              bool has_server) {
   try {
     return options_of(words, has_server);
   } catch (const std::invalid_argument& error) {
     constexpr std::string_view kPlugin = "--device plugin:";
     std::string said = error.what();
-    if (const std::size_t at = said.find(kPlugin); caller && at != std::string::npos)
-      said.replace(at, kPlugin.size(), "device caller:");
+    if (const std::size_t at = said.find(kPlugin); !kind.empty() && at != std::string::npos)
+      said.replace(at, kPlugin.size(), "device " + std::string(kind) + ":");
     throw std::invalid_argument(said);
   }
 }
 
-std::unique_ptr<CallerDevice> caller_device(const HandRequest& request, ClientOptions& options) {
+std::unique_ptr<CallerDevice> caller_device(const HandRequest& request, std::string_view kind,
+                                            ClientOptions& options) {
   const double longest = kDevicePatience * options.parameters.hold_time;
   if (!(request.stale_after >= 1e-3 && request.stale_after < longest))
     refuse(request, "stale_after must be from 0.001 s to less than a quarter of the hold time, " +
                         std::to_string(longest) +
                         " s; move the hand more often, or give a longer --hold-time");
-  if (options.device.name != "caller")
+  if (options.device.name != kind)
     refuse(request, "device: " + std::string(request.device) +
-                        " has more than settings; write it as caller:map_scale=2, and "
-                        "--help-all of feltwire-client lists the settings");
-  options.device_kind = "caller";
+                        " has more than settings; write it as " + std::string(kind) +
+                        ":map_scale=2, and --help-all of feltwire-client lists the settings");
+  options.device_kind = kind;
   options.takes = {};  // a person may hold what the program moves
   return std::make_unique<CallerDevice>(requested_spec(options.device.spec, "simulated").spec,
-                                        request.stale_after);
+                                        request.stale_after,
+                                        kind == kStepped ? options.parameters.servo_period : 0.0);
 }
 
 }  // namespace
 
 std::unique_ptr<OpenHand> open_hand(const HandRequest& request, const SimulatorScene* simulator) {
-  const std::string_view asked(request.device == nullptr ? "" : request.device);
-  const bool is_caller = asked == "caller" || asked.starts_with("caller:");
-  const std::vector<std::string> words = command_line(request, is_caller);
+  const std::string_view kind = kind_of_program(request);
+  const std::vector<std::string> words = command_line(request, kind);
   if (simulator != nullptr) require_no_server(request, words);
-  ClientOptions options = options_of_hand(words, is_caller, simulator == nullptr);
+  ClientOptions options = options_of_hand(words, kind, simulator == nullptr);
   require_account(request, options);
   options.rehearses = false;  // it prints
   std::shared_ptr<SimulatorFeed> feed;
@@ -127,8 +143,8 @@ std::unique_ptr<OpenHand> open_hand(const HandRequest& request, const SimulatorS
   if (simulator != nullptr) feed = meet_simulator(options, *simulator);
   OpenedDevice opened;
   CallerDevice* caller = nullptr;
-  if (is_caller) {
-    auto device = caller_device(request, options);
+  if (!kind.empty()) {
+    auto device = caller_device(request, kind, options);
     caller = device.get();
     opened.device = std::move(device);
   } else {

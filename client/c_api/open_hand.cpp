@@ -11,6 +11,7 @@
 
 #include "client/c_api/c_values.hpp"
 #include "client/device/await_prepared.hpp"
+#include "client/servo/device_input.hpp"
 #include "client/servo/stall_detector.hpp"
 #include "protocol/net/clock.hpp"
 
@@ -71,6 +72,23 @@ bool OpenHand::exchange(const CallerDevice::Move& move, fw_tick& tick) noexcept 
   return ticked;
 }
 
+bool OpenHand::step(const CallerDevice::Move& move, fw_tick& tick) noexcept {
+  const Nanoseconds now = monotonic_now();
+  const double patience = kDevicePatience * accepted().parameters.hold_time;
+  const bool ticked =
+      !over_.is_set() && caller_->step(move, now, now + from_seconds(patience)) && latest(tick);
+  Command applied;
+  if (ticked) {
+    applied.elastic = vector(tick.force);
+    applied.torque = vector(tick.torque);
+  } else {
+    tick = {};
+    tick.zero_force_reason = static_cast<std::uint32_t>(ZeroForceReason::not_held);
+  }
+  caller_->applies(applied);
+  return ticked;
+}
+
 bool OpenHand::touch(SimulatorContact contact, double time) {
   TickCopy newest{};
   if (latest_.get(newest) == 0) return false;
@@ -124,6 +142,7 @@ void OpenHand::ticked(const TickRecord& tick, bool connected) noexcept {
   recorder_->add(tick);
   latest_.put(copy);
   ticks_.push(out);
+  if (caller_ != nullptr) caller_->ticked();
 }
 
 void OpenHand::say(std::string_view line) noexcept {

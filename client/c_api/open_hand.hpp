@@ -47,6 +47,10 @@ class OpenHand final : private RunOutlet, private TickListener {
   /// The program is the device. Gives a pose, and returns the force that the program must apply
   /// from now on, as latest() does. A single thread calls it; it never waits.
   bool exchange(const CallerDevice::Move& move, fw_tick& tick) noexcept;
+  /// The program is the device, and makes the ticks. Gives a pose, waits for the tick with it, and
+  /// returns that tick; the program applies its force from now on. False: the servo made none
+  /// within a quarter of the hold time, and no force may be applied. A single thread calls it.
+  bool step(const CallerDevice::Move& move, fw_tick& tick) noexcept;
   /// Whether the program's own simulator says what the hand touches.
   bool meets_simulator() const noexcept { return feed_ != nullptr; }
   /// Says what the tool touches, as it was at the tick with this time [s]. False, and nothing is

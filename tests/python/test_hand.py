@@ -59,6 +59,27 @@ class Hands(unittest.TestCase):
             eventually("a hand that is not moved gets no force", lambda: max(map(abs, hand.latest().force)) == 0.0)
             self.assertIn("no new position", hand.why_no_force())
 
+    def test_a_program_makes_the_ticks(self):
+        with self.server.join(device="stepped:await_still=0", hold_time=1, **PATIENT) as hand:
+            start, normal = hand.session.start_position, hand.session.start_normal
+            height = 0.004
+
+            def pushed():
+                nonlocal height
+                place = [start[i] + height * normal[i] for i in range(3)]
+                given = hand.step(place)
+                self.assertIsNotNone(given)
+                if hand._exchanged.number:  # of a machine that was not too busy for a tick
+                    self.assertLess(max(abs(one - other) for one, other in zip(hand._exchanged.position, place)), 1e-12)
+                height = max(height - 5e-5, -0.002)
+                return sum(given[0][i] * normal[i] for i in range(3)) > 0.3
+
+            eventually("the plane pushes", pushed)
+            with self.assertRaisesRegex(ValueError, "stepped"):
+                hand.exchange(start)
+            hand.stop()
+            eventually("the end", lambda: hand.step(start) is None)
+
     def test_one_thread_closes_while_others_ask(self):
         for _ in range(10):
             hand = self.server.join(**PATIENT)

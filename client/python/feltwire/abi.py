@@ -26,7 +26,7 @@ class HandOptions(Struct):
         ("token_file", ctypes.c_char_p),  # file with the client's token
         ("scene", ctypes.c_char_p),  # name of the scene to join
         ("name", ctypes.c_char_p),  # of this client, for the server's log
-        ("device", ctypes.c_char_p),  # as --device of feltwire-client: "simulated", "haply", "plugin:FILE.so". "caller": the program moves the hand and applies its force, by fw_hand_exchange()
+        ("device", ctypes.c_char_p),  # as --device of feltwire-client: "simulated", "haply", "plugin:FILE.so". "caller": the program moves the hand and applies its force, by fw_hand_exchange(). "stepped": it makes the ticks too, by fw_hand_step()
         ("spec", ctypes.c_char_p),  # a built-in specification of the device, or FILE.json; null: the device's own
         ("duration", ctypes.c_double),  # [s] after which the run ends; 0: at fw_hand_close()
         ("stale_after", ctypes.c_double),  # [s] after which a hand of device "caller" that was not moved gets no force: 0.001 to less than a quarter of the hold time
@@ -432,6 +432,8 @@ def declare(library):
     library.fw_hand_session.argtypes = [ctypes.c_void_p, ctypes.POINTER(Session), ctypes.c_uint32]
     library.fw_hand_exchange.restype = ctypes.c_int32
     library.fw_hand_exchange.argtypes = [ctypes.c_void_p, ctypes.POINTER(Pose), ctypes.POINTER(Tick), ctypes.c_uint32]
+    library.fw_hand_step.restype = ctypes.c_int32
+    library.fw_hand_step.argtypes = [ctypes.c_void_p, ctypes.POINTER(Pose), ctypes.POINTER(Tick), ctypes.c_uint32]
     library.fw_hand_latest.restype = ctypes.c_int32
     library.fw_hand_latest.argtypes = [ctypes.c_void_p, ctypes.POINTER(Tick), ctypes.c_uint32]
     library.fw_hand_ticks.restype = ctypes.c_int32

@@ -156,6 +156,11 @@ class Hand(_Run):
         """As feltwire.Hand.exchange(). Never waits."""
         return self.hand.exchange(position, orientation, buttons, deadman, gripper)
 
+    def step(self, position: Sequence[float], orientation: Sequence[float] = (1.0, 0.0, 0.0, 0.0), buttons: int = 0,
+             deadman: bool = False, gripper: float = -1.0) -> Optional[Tuple[Tuple[float, ...], Tuple[float, ...]]]:
+        """As feltwire.Hand.step(). The loop waits for the tick meanwhile."""
+        return self.hand.step(position, orientation, buttons, deadman, gripper)
+
     def ticks(self) -> Any:
         """As feltwire.Hand.ticks(), also between those of batches(): each tick comes once. Never waits."""
         return self.hand.ticks()

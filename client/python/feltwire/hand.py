@@ -36,7 +36,7 @@ def join(server: str, scene: str, *, device: str = "simulated", spec: Optional[P
          ca_file: Optional[Path] = None, duration: float = 0.0, stale_after: float = 0.02, **options: Any) -> Hand:
     """Joins a scene and returns its Hand. Blocks until the server has answered.
 
-    server: "HOST:PORT". scene: its name. device: as --device of feltwire-client, or "caller": the program is the device, by Hand.exchange().
+    server: "HOST:PORT". scene: its name. device: as --device of feltwire-client, "caller": the program is the device, by Hand.exchange(), or "stepped": by Hand.step().
     spec: a built-in specification of the device, or the path of a JSON file. duration [s]: when the run ends; 0: at Hand.close().
     stale_after [s]: a hand of device "caller" that was not moved for so long gets no force. The server is recognised by fingerprint,
     fingerprint_file or ca_file; without any by FELTWIRE_FINGERPRINT_FILE. token_file: without it FELTWIRE_TOKEN_FILE.
@@ -83,12 +83,23 @@ class Hand(Handle):
         lead=0.2 leads the robot of the scene while deadman, its enabling switch, is held; gripper [m] is the wanted opening, below 0 none.
         Returns the force [N] and torque [N m] that the program applies until its next call, each three numbers; None: the run has
         ended, and nothing may be applied."""
+        return self._moved(QUICK.fw_hand_exchange, position, orientation, buttons, deadman, gripper)
+
+    def step(self, position: Sequence[float], orientation: Sequence[float] = (1.0, 0.0, 0.0, 0.0), buttons: int = 0,
+             deadman: bool = False, gripper: float = -1.0) -> Optional[Tuple[Tuple[float, ...], Tuple[float, ...]]]:
+        """For a hand of device "stepped", of a program that has a loop of its own: makes a tick with this pose, and returns its force as
+        exchange() does. It blocks until the servo has made the tick. Call it `rate` times a second: a later call is a late tick to the energy
+        account, and one later than a quarter of the hold time takes the force off."""
+        return self._moved(BLOCKING.fw_hand_step, position, orientation, buttons, deadman, gripper)
+
+    def _moved(self, call: Callable[..., int], position: Sequence[float], orientation: Sequence[float], buttons: int, deadman: bool,
+               gripper: float) -> Optional[Tuple[Tuple[float, ...], Tuple[float, ...]]]:
         pose, tick = self._pose, self._exchanged
         set_vector(pose, "position", position, "position", " [m]")
         set_vector(pose, "orientation", orientation, "orientation", " w, x, y, z")
         pose.buttons, pose.deadman = buttons, deadman
         set_number(pose, "gripper", gripper, "gripper", " [m]")
-        result = QUICK.fw_hand_exchange(self._open(), pose, tick, _TICK_SIZE)
+        result = call(self._open(), pose, tick, _TICK_SIZE)
         if result < 0:
             _raise(result)
         return None if result == abi.ENDED else (tuple(tick.force), tuple(tick.torque))

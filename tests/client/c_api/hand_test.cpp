@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -12,6 +13,7 @@
 #include "client/c_api/feltwire.h"
 #include "client/c_api/offsets.h"
 #include "core/base/latest_value.hpp"
+#include "protocol/net/clock.hpp"
 #include "tests/client/c_api/c_api_server.hpp"
 #include "tests/client/c_api/heap_uses.hpp"
 #include "tests/support/eventually.hpp"
@@ -91,6 +93,51 @@ TEST_F(CApi, AHandOfTheCallerFeelsTheFloorAndAStaleOneFeelsNothing) {
     return tick.force[2] == 0.0;
   });
   EXPECT_THAT(fw_zero_force_text(tick.zero_force_reason), HasSubstr("has given no new position"));
+  EXPECT_EQ(fw_hand_close(hand), FW_OK) << fw_last_error();
+}
+
+/// The program has the loop: each call is a tick with its pose, and tells its force.
+TEST_F(CApi, AHandThatIsSteppedFeelsTheFloorAtThePoseOfEachCall) {
+  fw_hand_options given = caller_options();
+  given.device = "stepped:await_still=0";
+  fw_hand* hand = nullptr;
+  ASSERT_EQ(fw_hand_open(&given, &hand), FW_OK) << fw_last_error();
+  fw_tick tick{};
+  std::uint64_t before = 0;
+  const auto step = [&](double z) {
+    const fw_pose pose = at(z);
+    const std::int32_t result = fw_hand_step(hand, &pose, &tick, sizeof tick);
+    EXPECT_GE(result, FW_OK) << fw_last_error();
+    if (result != FW_OK) return result;
+    EXPECT_EQ(tick.position[2], z);
+    EXPECT_GT(tick.number, before);
+    before = tick.number;
+    return result;
+  };
+  constexpr double kDeep = -0.002, kStep = 5e-5;  // [m]
+  double z = 0.005;
+  test::eventually("the floor pushes", [&] {
+    if (step(z) == FW_OK) z = std::max(z - kStep, kDeep);
+    return tick.force[2] > 0.5;
+  });
+  EXPECT_LT(tick.force[2], 1.1);
+  EXPECT_FALSE(std::isnan(tick.balance));
+  // The program pauses: nobody applies a force that the account knows of.
+  test::eventually("the force of a program that pauses is taken off", [&] {
+    fw_hand_latest(hand, &tick, sizeof tick);
+    return tick.force[2] == 0.0;
+  });
+  const fw_pose pose = at(z);
+  EXPECT_EQ(fw_hand_exchange(hand, &pose, &tick, sizeof tick), FW_ERROR_ARGUMENT);
+  EXPECT_THAT(fw_last_error(), HasSubstr("call fw_hand_step()"));
+  EXPECT_EQ(fw_hand_stop(hand), FW_OK);
+  test::eventually("the end", [&] { return step(z) == FW_ENDED; });
+  EXPECT_EQ(tick.force[2], 0.0);
+  EXPECT_EQ(fw_hand_close(hand), FW_OK) << fw_last_error();
+  given.device = "caller";
+  ASSERT_EQ(fw_hand_open(&given, &hand), FW_OK) << fw_last_error();
+  EXPECT_EQ(fw_hand_step(hand, &pose, &tick, sizeof tick), FW_ERROR_ARGUMENT);
+  EXPECT_THAT(fw_last_error(), HasSubstr("open it as \"stepped\""));
   EXPECT_EQ(fw_hand_close(hand), FW_OK) << fw_last_error();
 }
 
@@ -389,6 +436,46 @@ TEST(CallerDevice, TellsTheMeanForceBetweenTwoReadings) {
   EXPECT_EQ(reading.pose.position.z(), 3e-4);
   device.release();
   EXPECT_EQ(device.write(up(4.0)).force().z(), 0.0);
+}
+
+/// A step is a tick with its pose. The account hears of the force that the program applied since
+/// the last step, however late the next one is.
+TEST(CallerDevice, AStepIsATickAndTellsTheForceSinceTheLast) {
+  constexpr double kPeriod = 1e-3;  // [s]
+  CallerDevice device(builtin_device("simulated"), 0.02, kPeriod);
+  EXPECT_EQ(device.longest_tick(), from_seconds(kPeriod));
+  EXPECT_TRUE(device.await_tick(monotonic_now()));
+  EXPECT_EQ(device.read(monotonic_now()).withheld, Withheld::not_homed) << "no step has begun";
+  const auto up = [](double force) { return Command{.elastic = Vec3(0, 0, force)}; };
+  std::vector<double> heights, held;  // by the servo's thread
+  std::atomic<int> ticks{0};
+  std::jthread servo([&](const std::stop_token& end) {
+    while (!end.stop_requested()) {
+      device.await_tick(monotonic_now() + from_seconds(kPeriod));
+      const DeviceReading reading = device.read(monotonic_now());
+      if (!reading.fresh || reading.withheld != Withheld::nothing) continue;
+      heights.push_back(reading.pose.position.z());
+      held.push_back(reading.held ? reading.held->force().z() : 0.0);
+      ++ticks;
+      device.ticked();
+    }
+  });
+  const Nanoseconds far = monotonic_now() + std::chrono::minutes(1);
+  Nanoseconds at = std::chrono::seconds(1);
+  for (int i = 1; i <= 100; ++i) {
+    at += i % 10 == 0 ? std::chrono::milliseconds(30) : std::chrono::milliseconds(1);
+    ASSERT_TRUE(device.step({.pose = {Vec3(0, 0, 1e-3 * i)}}, at, far));
+    EXPECT_EQ(ticks.load(), i) << "the tick is there when the step returns";
+    device.applies(up(i));
+  }
+  servo.request_stop();
+  servo.join();
+  ASSERT_EQ(heights.size(), 100u);
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_EQ(heights[i], 1e-3 * (i + 1));
+    EXPECT_EQ(held[i], i) << "the force of the step before";
+  }
+  EXPECT_FALSE(device.step({}, at, monotonic_now())) << "no servo is there";
 }
 
 TEST(LatestValue, AReaderNeverSeesHalfAValue) {
