@@ -129,6 +129,7 @@ test('a drag presses the hand on the floor, which it feels', async () => {
 test('a drag on a body brings the hand to it, and pushes it', async () => {
   await serveScene(process.env.FELTWIRE_RECORDED_SCENE);
   page = await open(readFileSync(join(state, 'local.token'), 'utf8').trim());
+  await page.setViewportSize({width: 1360, height: 860});  // The hand and the box lie apart by more than the reach of the hand.
   await take();
   const box = (state) => state.bodyPlaces.reduce((near, body) => (away(body.at) < away(near.at) ? body : near));  // of scenes/workshop.json
   const away = ([x, y]) => Math.hypot(x - 0.05, y + 0.03);

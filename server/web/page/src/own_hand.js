@@ -12,6 +12,7 @@ const SEND_PERIOD = 16;  // [ms] between targets that change
 const STAY_PERIOD = 120;  // [ms] between targets that do not: a hand that is told nothing for a second lets go
 const GRASP = 48;  // [pixels] from the hand or its target in which a drag moves it, not the camera
 const PRESS = 0.005;  // [m] below the surface of a body that is dragged: the hand presses so much, and its friction takes the body along
+const ON_HAND = 20;  // [pixels] from the hand in which a drag moves it also where a body is
 const STEP = 0.001;  // [m] of an arrow key; ten times as much with Shift
 const WHEEL = 2e-5;  // [m] for a unit of the wheel, of which a notch has some 100
 const LINE = 33;  // units of the wheel, where it counts lines
@@ -217,13 +218,13 @@ export class OwnHand {
     return (2 * distance * Math.tan((view.camera.fov * Math.PI) / 360)) / view.height;
   }
 
-  #near(event) {
+  #near(event, reach = GRASP) {
     const {view, stage} = this.page;
     const corner = stage.getBoundingClientRect();
     const [x, y] = [event.clientX - corner.left, event.clientY - corner.top];
     const place = view.projectPoint(projected.copy(this.target), {x: 0, y: 0, seen: false});
-    if (Math.hypot(place.x - x, place.y - y) < GRASP) return true;
-    return view.handAt(x, y, GRASP) === this.number && this.number !== null;
+    if (Math.hypot(place.x - x, place.y - y) < reach) return true;
+    return view.handAt(x, y, reach) === this.number && this.number !== null;
   }
 
   /** Puts the target on the body under the pointer, a little below its surface. @returns {boolean} whether one is there that moves */
@@ -239,7 +240,7 @@ export class OwnHand {
 
   #down(event) {
     if (this.state !== 'held' || event.button !== 0) return;
-    if (this.pointers.size === 0 && !this.#near(event) && !this.#goToBody(event)) return;
+    if (this.pointers.size === 0 && !this.#near(event, ON_HAND) && !this.#goToBody(event) && !this.#near(event)) return;
     event.stopPropagation();
     event.preventDefault();
     this.page.view.canvas.focus();
