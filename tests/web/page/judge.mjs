@@ -1,4 +1,4 @@
-// What tests ask of every page that a viewer sees: nothing is wider than the window, contrast is 4.5 or more, and all controls have names.
+// Tests ask this of every page: contrast, names of controls, and that nothing is wider than the window.
 
 import axe from 'axe-core';
 
