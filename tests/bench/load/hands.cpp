@@ -54,7 +54,9 @@ std::vector<Vec3> path(double depth, double period) {
 }
 
 /// The rotation that turns the z axis to `normal`.
-Quaternion turned_to(const Vec3& normal) { return Quaternion::FromTwoVectors(Vec3::UnitZ(), normal); }
+Quaternion turned_to(const Vec3& normal) {
+  return Quaternion::FromTwoVectors(Vec3::UnitZ(), normal);
+}
 
 }  // namespace
 
