@@ -180,7 +180,7 @@ test('it has the law that is chosen when it is taken', async () => {
     await page.selectOption('#law', law);
     await take();
     assert.ok(await page.locator('#law').isDisabled());
-    await until((wanted) => document.querySelector('tbody tr')?.textContent.includes(wanted), mode);
+    await until((wanted) => [...document.querySelector('tbody tr')?.cells ?? []].some(({title}) => title.includes(wanted)), mode);
     await page.keyboard.press('Escape');
     await until(() => window.feltwire().own.state === 'free' && window.feltwire().hands.length === 0);
   }

@@ -12,7 +12,7 @@ const look = (page) => page.evaluate(() => window.feltwire().tour);
 const hasLaw = (page, mode) => page.waitForFunction((wanted) => {
   const {own} = window.feltwire();
   const row = [...document.querySelectorAll('#sessions tbody tr')].find(({cells}) => cells[0].textContent === String(own.number));
-  return own.state === 'held' && row?.textContent.includes(`${wanted}, at the client`);
+  return own.state === 'held' && [...row?.cells ?? []].some(({title}) => title === `${wanted}, at the client`);  // A narrow column cuts what it shows.
 }, mode);
 
 /** Waits until the table says that every simulated hand has a round trip in these limits [ms]. */

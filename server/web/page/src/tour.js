@@ -12,6 +12,7 @@ const SETTLED = 2.5;  // [s] after the hand was taken, or the delay was changed
 const WRITE_PERIOD = 250;  // [ms]
 const SUNK = 0.008;  // [m] in the wall where a hand without force has sunk through it
 const LIFT = 2000;  // [ms] for which it is held above the wall then: its device burns what its account lacks
+const LIFTS = 2;  // of one hand, then the tour takes another
 const PER_NEWTON = 0.005;  // [m] of arrow: what this scene asks for would make others invisible
 const COLUMNS = ['shakes', 'deepest', 'felt', 'off'];
 
@@ -39,6 +40,7 @@ export class Tour {
     this.since = 0;  // [s] of the pictures, from when it is measured
     this.heldAt = 0;  // [ms] from when it is moved
     this.lifted = false;
+    this.lifts = 0;  // of this hand
     this.trace = new Trace(SECONDS);
     this.before = null;  // the trace of the step before
     this.results = new Map();  // name -> measured
@@ -183,6 +185,8 @@ export class Tour {
     const last = this.trace.rows.at(-1);
     this.lifted = now < this.heldAt;
     if (hand && last && !this.lifted && last.depth > SUNK && last.held < 0.1) {
+      this.lifts += 1;
+      if (this.lifts > LIFTS) return this.#letGo();  // Its account is in a debt for good: take another hand.
       this.heldAt = now + LIFT;
       this.since = hand.time + LIFT / 1000 + SETTLED;
     }
@@ -240,6 +244,7 @@ export class Tour {
     }
     this.trace.clear();
     this.watched = hand?.number ?? null;
+    this.lifts = 0;
     this.since = (hand?.time ?? 0) + SETTLED;
     if (hand) this.page.choose(hand.number);
   }
