@@ -71,7 +71,7 @@ TokenPlace file_of_tokens(const ServerConfig& config) {
           .name = file.string()};
 }
 
-TokenPlace fleet_of_tokens(std::shared_ptr<Directory> directory) {
+TokenPlace fleet_of_tokens(const std::shared_ptr<Directory>& directory) {
   return {.add = [directory](const Token& token) { add_to(*directory, token); },
           .revoke = [directory](const std::string& id) { return revoke_in(*directory, id); },
           .list = [directory] { return list_of(*directory); },

@@ -24,6 +24,6 @@ struct TokenPlace {
 TokenPlace file_of_tokens(const ServerConfig& config);
 
 /// The directory of a fleet. Each host takes the change when it sees it, and keeps it.
-TokenPlace fleet_of_tokens(std::shared_ptr<Directory> directory);
+TokenPlace fleet_of_tokens(const std::shared_ptr<Directory>& directory);
 
 }  // namespace feltwire
