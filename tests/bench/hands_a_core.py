@@ -43,7 +43,7 @@ class Load:
         environment = dict(os.environ, FELTWIRE_FINGERPRINT_FILE=server.fingerprint_file, FELTWIRE_TOKEN_FILE=server.token_file)
         self.process = subprocess.Popen(
             [BUILD / "bin/feltwire-load", "--connect", server.address, "--scene", scene, "--hands", str(hands), "--profile", profile,
-             "--seed", str(seed), "--seconds", "100000"], env=environment, stdout=subprocess.PIPE, text=True)
+             "--seed", str(seed), "--rate", str(OPTIONS.rate), "--seconds", "100000"], env=environment, stdout=subprocess.PIPE, text=True)
         pin(self.process.pid, cores)
         self.wanted, self.rows = hands, []
         self.reader = threading.Thread(target=self.read, daemon=True)
@@ -139,6 +139,7 @@ if __name__ == "__main__":
     parser.add_argument("--scene", type=pathlib.Path, default=SOURCE / "scenes/room.json")
     parser.add_argument("--profile", default="wan")
     parser.add_argument("--hands", type=lambda text: [int(word) for word in text.split(",")], default=[250, 500, 1000, 2000])
+    parser.add_argument("--rate", type=float, default=1000.0, help="[Hz] of the servos of the load. The packet rate of the profile stays")
     parser.add_argument("--seconds", type=float, default=10.0)
     OPTIONS = parser.parse_args()
     BUILD = OPTIONS.build.resolve()

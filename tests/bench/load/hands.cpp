@@ -3,6 +3,7 @@
 #include <sys/epoll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <ctime>
 #include <system_error>
@@ -17,7 +18,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kJoinTimeout{20'000};
 constexpr Nanoseconds kSilent = std::chrono::seconds(1);
-constexpr std::size_t kPlaces = 20;  // in a turn
+constexpr Nanoseconds kPlace = std::chrono::microseconds(50);  // of the hands in a turn
 constexpr int kEventsAtOnce = 256;
 constexpr double kLoop = 4.0;  // [s] after this time the path begins again
 
@@ -149,10 +150,11 @@ void Hands::run_until(Nanoseconds end) {
       turn_ += period_;
       ++counts_.skipped;
     }
-    for (std::size_t place = 0; place < kPlaces; ++place) {
-      sleep_until(turn_ + static_cast<std::int64_t>(place) * period_ / kPlaces);
+    const auto places = static_cast<std::size_t>(std::max<std::int64_t>(period_ / kPlace, 1));
+    for (std::size_t place = 0; place < places; ++place) {
+      sleep_until(turn_ + static_cast<std::int64_t>(place) * kPlace);
       receive(now());
-      for (std::size_t i = place; i < hands_.size(); i += kPlaces) move(*hands_[i], now());
+      for (std::size_t i = place; i < hands_.size(); i += places) move(*hands_[i], now());
     }
     turn_ += period_;
   }
