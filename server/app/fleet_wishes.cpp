@@ -22,12 +22,6 @@ constexpr Nanoseconds kForAnswer = 10s;  // of a host that lives, to a wish
 constexpr Nanoseconds kForScenes = 30s;  // until they are at other hosts
 constexpr std::chrono::milliseconds kBetweenLists{100};
 
-std::vector<DirectoryEntry> entries_of(Directory& directory, Bucket bucket) {
-  auto entries = directory.list(bucket);
-  if (!entries) throw std::runtime_error("the directory gives no answer; is a majority of it up?");
-  return *std::move(entries);
-}
-
 template <class Record>
 std::string names_of(const std::map<std::string, Record>& records) {
   std::string names;
@@ -120,6 +114,12 @@ void tell_host(Directory& directory, const Wish& wish) {
 }
 
 }  // namespace
+
+std::vector<DirectoryEntry> entries_of(Directory& directory, Bucket bucket) {
+  auto entries = directory.list(bucket);
+  if (!entries) throw std::runtime_error("the directory gives no answer; is a majority of it up?");
+  return *std::move(entries);
+}
 
 std::map<std::string, HostRecord> host_records(Directory& directory) {
   std::map<std::string, HostRecord> hosts;

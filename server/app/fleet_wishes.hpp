@@ -6,12 +6,15 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "server/fleet/directory.hpp"
 #include "server/fleet/scene_record.hpp"
 
 namespace feltwire {
 
+/// All entries of a bucket. Throws std::runtime_error if no answer came in time.
+std::vector<DirectoryEntry> entries_of(Directory& directory, Bucket bucket);
 /// The heartbeats of all hosts, by their names. Throws std::runtime_error.
 std::map<std::string, HostRecord> host_records(Directory& directory);
 /// The records of all scenes, by their names. Throws std::runtime_error.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/access/security.hpp"
+#include "server/app/fleet_wishes.hpp"
 #include "server/fleet_host/fleet_tokens.hpp"
 
 namespace feltwire {
@@ -12,14 +13,8 @@ namespace {
 
 constexpr int kTries = 5;  // against hosts that write the same token
 
-std::vector<DirectoryEntry> entries_of(Directory& directory) {
-  auto entries = directory.list(Bucket::tokens);
-  if (!entries) throw std::runtime_error("the directory gives no answer; is a majority of it up?");
-  return *std::move(entries);
-}
-
 void add_to(Directory& directory, const Token& token) {
-  if (entries_of(directory).size() >= kMostFleetTokens)
+  if (entries_of(directory, Bucket::tokens).size() >= kMostFleetTokens)
     throw std::runtime_error("the fleet has " + std::to_string(kMostFleetTokens) +
                              " tokens, the most that hosts keep; give hosts tokens files of their "
                              "own");
@@ -31,7 +26,7 @@ void add_to(Directory& directory, const Token& token) {
 
 bool revoke_in(Directory& directory, const std::string& id) {
   for (int i = 0; i < kTries; ++i) {
-    const std::vector<DirectoryEntry> entries = entries_of(directory);
+    const std::vector<DirectoryEntry> entries = entries_of(directory, Bucket::tokens);
     const auto entry = std::ranges::find(entries, id, &DirectoryEntry::key);
     const auto token = entry == entries.end() ? std::nullopt : decode_token(*entry);
     if (!token) return false;
@@ -46,7 +41,7 @@ bool revoke_in(Directory& directory, const std::string& id) {
 
 Tokens list_of(Directory& directory) {
   Tokens tokens;
-  for (const DirectoryEntry& entry : entries_of(directory))
+  for (const DirectoryEntry& entry : entries_of(directory, Bucket::tokens))
     if (auto token = decode_token(entry)) tokens.push_back(*std::move(token));
   return tokens;
 }
