@@ -1,5 +1,8 @@
 #include "server/access/token_file.hpp"
 
+#include <set>
+#include <string_view>
+
 #include "core/base/json_document.hpp"
 #include "core/base/pending_file.hpp"
 #include "protocol/crypto/private_file.hpp"
@@ -64,9 +67,10 @@ std::optional<std::string> TokenFile::refresh(Part& part, const Stamp& now) {
 
 void TokenFile::gather() {
   tokens_.clear();
+  std::set<std::string_view> ids;
   for (const Part& part : parts_)
     for (const Token& token : part.tokens)
-      if (find_token(tokens_, token.id) == nullptr) tokens_.push_back(token);
+      if (ids.insert(token.id).second) tokens_.push_back(token);
 }
 
 TokenFile::Stamp TokenFile::stamp_of(const std::filesystem::path& file) {
